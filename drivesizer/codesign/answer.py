@@ -59,14 +59,14 @@ class Answer:
     @property
     def values(self) -> dict[str, Any]:
         """The free figures of the best machine, as they go into the spec; empty where there is none."""
-        names = [one.name for one in self.task.free]
+        names = [axis.name for axis in self.task.free]
         return dict(zip(names, self.best.values, strict=True)) if self.best else {}
 
     def filled(self, *, rounded: bool = False) -> str:
         """The spec's text with the figures of the best machine, comments kept."""
-        one = self.rounded if rounded and self.rounded else self.best
-        assert one is not None
-        return self.task.filled(one.values)
+        machine = self.rounded if rounded and self.rounded else self.best
+        assert machine is not None
+        return self.task.filled(machine.values)
 
     def __str__(self) -> str:
         return text_of_blocks(self.blocks())
@@ -83,8 +83,8 @@ class Answer:
         best = f"{_title(goal)}: {_figure(self, goal, self.choice.goals[0])}"
         yield doc.Table(best, _FREE, [doc.Row(cells) for cells in _free(self)])
         yield doc.table("words", "The drive", _drive(self, self.choice))
-        if self.rounded and (one := self.rounded.choice()):
-            yield doc.Words(f"Rounded: {_values(self, self.rounded)}: {_figure(self, goal, one.goals[0])}")
+        if self.rounded and (choice := self.rounded.choice()):
+            yield doc.Words(f"Rounded: {_values(self, self.rounded)}: {_figure(self, goal, choice.goals[0])}")
         if self.front:
             yield _front(self)
         yield from (doc.Words(f"{note}.", "note") for note in self.task.notes)
@@ -106,9 +106,9 @@ def _searched(answer: Answer) -> str:
     )
 
 
-def _values(answer: Answer, one: Machine) -> str:
+def _values(answer: Answer, machine: Machine) -> str:
     """The free figures of a machine."""
-    return ", ".join(f"{free.name} {value}" for free, value in zip(answer.task.free, one.values, strict=True))
+    return ", ".join(f"{free.name} {value}" for free, value in zip(answer.task.free, machine.values, strict=True))
 
 
 _FREE = [doc.Column(head, head, "name" if head == "free figure" else "text")
@@ -135,14 +135,14 @@ def _drive(answer: Answer, choice: Choice) -> Iterator[tuple[str, str]]:
         yield name or "drive", f"{number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
     of_spec = spec_figures(task.job, Variant(0, 0, answer.best.values, 0, 0, []))
     figure = row_figures(heads, choice.row, of_spec)
-    shown = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
+    figures = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
     lacks = {name: row.get(f"{name}_lacks") for name in ("mass", "price")}
 
     def least(names: Iterable[str]) -> str:
         lacking = " + ".join(dict.fromkeys(str(lacks[name]) for name in names if lacks.get(name)))
         return f", at least: {lacking} not known" if lacking else ""
 
-    for name, title, value, named in shown:
+    for name, title, value, named in figures:
         if not isnan(value):
             yield title, f"{show(value, named.unit, named.kind)}{least([name])}"
     yield "tightest", f"{_why(str(row['smallest_margin_check']))}, {100 * choice.margin:+.1f} %"
@@ -155,33 +155,33 @@ def _front(answer: Answer) -> doc.Table:
     task = answer.task
     step = max(1, -(-len(answer.front) // _FRONT))
     few = [*answer.front[::step], *([answer.front[-1]] if (len(answer.front) - 1) % step else [])]
-    free = [*enumerate(one.name for one in task.free)]
+    free = [*enumerate(axis.name for axis in task.free)]
     same = [(n, name) for n, name in free if len({machine.values[n] for machine, _ in few}) == 1]
-    columns = [doc.Column(one.text, _title(one), "number") for one in task.goals]
+    columns = [doc.Column(goal.text, _title(goal), "number") for goal in task.goals]
     columns += [doc.Column(name, name, "number", yields=True) for n, name in free if (n, name) not in same]
     rows = []
     for machine, choice in few:
         row = dict(zip(task.heads, choice.row, strict=True))
-        goals = (_figure(answer, one, value) for one, value in zip(task.goals, choice.goals, strict=True))
+        goals = (_figure(answer, goal, value) for goal, value in zip(task.goals, choice.goals, strict=True))
         drives = ", ".join(str(label) for head, label in row.items() if head == "set" or head.endswith(".set"))
-        cells = dict(zip((one.text for one in task.goals), goals, strict=True)) | {"drive": drives}
+        cells = dict(zip((goal.text for goal in task.goals), goals, strict=True)) | {"drive": drives}
         rows.append(doc.Row(cells | {name: str(machine.values[n]) for n, name in free}))
     alike = ", ".join(f"{name} {few[0][0].values[n]}" for n, name in same)
     caption = "The front" + (f"; in all of it {alike}" if alike else "")
     return doc.Table(caption, [*columns, doc.Column("drive", "drive")], rows)
 
 
-def _title(one: Expression) -> str:
-    return NAMED[one.text].title if one.text in NAMED else one.text
+def _title(expression: Expression) -> str:
+    return NAMED[expression.text].title if expression.text in NAMED else expression.text
 
 
-def _figure(answer: Answer, one: Expression, value: float) -> str:
+def _figure(answer: Answer, expression: Expression, value: float) -> str:
     """A value of an expression: in the unit of the trade where it is of one figure alone, else in SI."""
-    name = one.text.removeprefix("-")
-    value = -value if name != one.text else value
+    name = expression.text.removeprefix("-")
+    value = -value if name != expression.text else value
     if name in NAMED:
         return show(value, NAMED[name].unit, NAMED[name].kind)
-    if one.names == (name,) and name != "merit":
+    if expression.names == (name,) and name != "merit":
         kind = kind_of_figure(name, answer.task.figures) or "dimensionless"
         return show(value, KINDS[kind].si, kind)
     return f"{value:.5g}"
@@ -322,28 +322,28 @@ class _Side:
 def _flatness(of: Machines, best: Machine) -> list[Flat]:
     """Ranges of the figures, each alone, within a hundredth of the goal."""
     free = of.task.free
-    coordinates = [one.coordinate(value) for one, value in zip(free, best.values, strict=True)]
+    coordinates = [axis.coordinate(value) for axis, value in zip(free, best.values, strict=True)]
     sides = [
         _Side(place, coordinates[place], None, end)
-        for place, one in enumerate(free)
-        for end in one.bounds
+        for place, axis in enumerate(free)
+        for end in axis.bounds
     ]  # fmt: skip
     most = of.task.evaluations // 4 // len(sides)  # of many figures each is looked at more coarsely
     for _ in range(min(max(most, 2), _HALVINGS)):
-        tried = [(side, x) for side in sides if (x := side.next(free[side.place])) is not None]
-        if not tried:
+        steps = [(side, x) for side in sides if (x := side.next(free[side.place])) is not None]
+        if not steps:
             break
-        found = of.at([_with(free, best.values, side.place, x) for side, x in tried])
-        for (side, x), machine in zip(tried, found, strict=True):
+        machines = of.at([_with(free, best.values, side.place, x) for side, x in steps])
+        for (side, x), machine in zip(steps, machines, strict=True):
             if worse := _why_worse(best, machine):
                 side.bad, side.why = x, worse
             else:
                 side.good, side.bad = x, x if side.bad is None else side.bad
     flats = []
-    for place, one in enumerate(free):
+    for place, axis in enumerate(free):
         low, high = sides[2 * place], sides[2 * place + 1]
         flats.append(Flat(
-            free=one, low=one.value(low.good), high=one.value(high.good), below=low.why or _BOUND,
+            free=axis, low=axis.value(low.good), high=axis.value(high.good), below=low.why or _BOUND,
             above=high.why or _BOUND,
         ))  # fmt: skip
     return flats
@@ -355,11 +355,11 @@ def _with(free: tuple[Axis, ...], values: Values, place: int, coordinate: float)
 
 def _why_worse(best: Machine, other: Machine) -> str:
     """Fault of a machine beside the best; empty where it is as good but for a hundredth."""
-    one, now = best.choice(), other.choice()
-    assert one is not None
+    best_choice, now = best.choice(), other.choice()
+    assert best_choice is not None
     if now is None:
         return other.why
-    return "over 1 % worse" if now.goals[0] > one.goals[0] + FLAT * abs(one.goals[0]) else ""
+    return "over 1 % worse" if now.goals[0] > best_choice.goals[0] + FLAT * abs(best_choice.goals[0]) else ""
 
 
 # -- Round figures in that range.
@@ -368,12 +368,12 @@ def _why_worse(best: Machine, other: Machine) -> str:
 def _rounded(of: Machines, best: Machine, flat: tuple[Flat, ...]) -> Machine | None:
     """The best machine with round figures that cost a hundredth at most, closer to the best ones if need be."""
     for share in (1.0, 0.5, 0.2, 0.05):
-        values = tuple(_round_in(one, value, share) for one, value in zip(flat, best.values, strict=True))
+        values = tuple(_round_in(figure, value, share) for figure, value in zip(flat, best.values, strict=True))
         if values == best.values:
             return None
-        (found,) = of.at([values])
-        if not _why_worse(best, found):
-            return found
+        (machine,) = of.at([values])
+        if not _why_worse(best, machine):
+            return machine
     return None
 
 
@@ -381,7 +381,7 @@ def _round_in(flat: Flat, value: Any, share: float) -> Any:
     """The roundest figure within a share of the way to the ends of a flat range."""
     if not flat.free.continuous:
         return value
-    best, low, high = (flat.free.coordinate(one) for one in (value, flat.low, flat.high))
+    best, low, high = (flat.free.coordinate(figure) for figure in (value, flat.low, flat.high))
     return flat.free.value(roundest(best - share * (best - low), best + share * (high - best), best))
 
 

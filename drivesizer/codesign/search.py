@@ -71,14 +71,14 @@ class Machine:
 
     def choice(self, goal: int = 0) -> Choice | None:
         """The drive that is best by one of the goals; of equal ones that of the larger margin."""
-        return min(self.choices, key=lambda one: (one.goals[goal], -one.margin), default=None)
+        return min(self.choices, key=lambda choice: (choice.goals[goal], -choice.margin), default=None)
 
     def score(self, goal: int = 0) -> float:
         """Score that a minimiser compares: a goal, and behind every machine within the limits the excess over them."""
-        one = self.choice(goal)
-        if one is None:
+        choice = self.choice(goal)
+        if choice is None:
             return _WORST * (1.0 + min(self.excess, 1e6))
-        return one.goals[goal] + abs(one.goals[goal]) * _TIE * float(used_share(one.margin))
+        return choice.goals[goal] + abs(choice.goals[goal]) * _TIE * float(used_share(choice.margin))
 
 
 class Machines:
@@ -92,38 +92,38 @@ class Machines:
 
     def at(self, points: Iterable[Values]) -> list[Machine]:
         """Machines of some values, of which those are sized that are not known yet."""
-        wanted = list(points)
+        all_points = list(points)
         new: dict[Values, Variant] = {}
-        for values in dict.fromkeys(wanted):
+        for values in dict.fromkeys(all_points):
             if values not in self.known:
                 number = len(self.known) + len(new) + 1
                 new[values] = self._variant(number, values)
-        found = dict(self._outside(new))
+        beyond = dict(self._outside(new))
         rows = {  # of an earlier run of the same search
-            one.number: kept for one in new.values()
-            if (kept := self._kept.get(one.number)) and kept[0][: len(one.head)] == one.head
+            variant.number: earlier for variant in new.values()
+            if (earlier := self._kept.get(variant.number)) and earlier[0][: len(variant.head)] == variant.head
         }  # fmt: skip
-        rest = [one for values, one in new.items() if values not in found and one.number not in rows]
-        each = max(1, len(rest) // (2 * self.on.ahead)) if self.on else 1
-        for part in computed(self.task.job, (rest[n : n + each] for n in range(0, len(rest), each)), self.on):
+        rest = [variant for values, variant in new.items() if values not in beyond and variant.number not in rows]
+        chunk = max(1, len(rest) // (2 * self.on.ahead)) if self.on else 1
+        for part in computed(self.task.job, (rest[n : n + chunk] for n in range(0, len(rest), chunk)), self.on):
             if self.store:
                 self.store.keep(part)
             rows |= _by_number(part.rows)
         self.sized += len(rows)
-        if rows and self.sized == len(rows) and all(some[0][-1] for some in rows.values()):  # the first of all
+        if rows and self.sized == len(rows) and all(of[0][-1] for of in rows.values()):  # the first of all
             raise InputError(next(iter(rows.values()))[0][-1])
-        for values, one in new.items():
-            self.known[values] = found.get(values) or self._machine(one, rows[one.number])
-        return [self.known[values] for values in wanted]
+        for values, variant in new.items():
+            self.known[values] = beyond.get(values) or self._machine(variant, rows[variant.number])
+        return [self.known[values] for values in all_points]
 
     @property
     def good(self) -> list[Machine]:
         """Those within all limits."""
-        return [one for one in self.known.values() if one.choices]
+        return [machine for machine in self.known.values() if machine.choices]
 
     def _variant(self, number: int, values: Values) -> Variant:
-        shown = [one.table_value(value) for one, value in zip(self.task.free, values, strict=True)]
-        return Variant(number, 0, values, 0, 0, [number, *shown])
+        cells = [axis.table_value(value) for axis, value in zip(self.task.free, values, strict=True)]
+        return Variant(number, 0, values, 0, 0, [number, *cells])
 
     def figures_of_spec(self, values: Values) -> Callable[[str], float]:
         """Figures of a machine's spec by name."""
@@ -131,49 +131,53 @@ class Machines:
 
     def _outside(self, new: dict[Values, Variant]) -> Iterator[tuple[Values, Machine]]:
         """Machines that the spec alone puts beyond a limit, so that no drive need be looked for."""
-        of_spec = [one for one in self.task.limits if not {*one.of.names} & {*NAMED, "merit"}]
-        for values, one in new.items() if of_spec else ():
+        of_spec = [limit for limit in self.task.limits if not {*limit.of.names} & {*NAMED, "merit"}]
+        for values, variant in new.items() if of_spec else ():
             figure = self.figures_of_spec(values)
-            excess, text = max((each.excess(figure), each.text) for each in of_spec)
+            excess, text = max((limit.excess(figure), limit.text) for limit in of_spec)
             if excess > 0.0:
-                why = Machine(number=one.number, values=values, choices=(), excess=10.0 + excess, why=text, row=None)
+                why = Machine(
+                    number=variant.number, values=values, choices=(), excess=10.0 + excess, why=text, row=None
+                )
                 yield values, why
 
-    def _machine(self, one: Variant, rows: list[Row]) -> Machine:
+    def _machine(self, variant: Variant, rows: list[Row]) -> Machine:
         """A machine by its rows: each drive against the limits of the task."""
         heads, task = self.task.heads, self.task
         status, named = heads.index("status"), heads.index("smallest_margin")
         check, error = heads.index("smallest_margin_check"), heads.index("error")
-        of_spec = self.figures_of_spec(one.values)
+        of_spec = self.figures_of_spec(variant.values)
         choices = list[Choice]()
         nearest: tuple[float, str, Row] = (inf, "", rows[0])
         for row in rows:
             margin = -inf if row[named] is None else float(row[named])
             if row[status] not in _GOOD:
                 by = 100.0 if row[status] == "error" else 1.0 + min(max(-margin, 0.0), 50.0)
-                nearest = min(nearest, (by, row[error] or row[check] or "no drive", row), key=lambda each: each[0])
+                nearest = min(nearest, (by, row[error] or row[check] or "no drive", row), key=lambda miss: miss[0])
                 continue
             figure = row_figures(heads, row, of_spec)
-            excesses = [(each.excess(figure), each.text) for each in task.limits]
-            goals = tuple(each.value(figure) for each in task.goals)
+            excesses = [(limit.excess(figure), limit.text) for limit in task.limits]
+            goals = tuple(goal.value(figure) for goal in task.goals)
             unknown = [f"{text}: unknown" for by, text in excesses if isnan(by)]
-            unknown += [f"{each.text}: unknown" for each, value in zip(task.goals, goals, strict=True) if isnan(value)]
+            unknown += [f"{goal.text}: unknown" for goal, value in zip(task.goals, goals, strict=True) if isnan(value)]
             beyond = [(by, text) for by, text in excesses if by > 1e-9]
             if unknown:
-                nearest = min(nearest, (20.0, unknown[0], row), key=lambda each: each[0])
+                nearest = min(nearest, (20.0, unknown[0], row), key=lambda miss: miss[0])
             elif beyond:
-                nearest = min(nearest, (sum(by for by, _ in beyond), max(beyond)[1], row), key=lambda each: each[0])
+                nearest = min(nearest, (sum(by for by, _ in beyond), max(beyond)[1], row), key=lambda miss: miss[0])
             else:
                 choices.append(Choice(row=row, goals=goals, margin=margin))
         if choices:
-            return Machine(number=one.number, values=one.values, choices=tuple(choices), excess=0.0, why="", row=None)
+            return Machine(
+                number=variant.number, values=variant.values, choices=tuple(choices), excess=0.0, why="", row=None
+            )
         by, why, row = nearest
-        return Machine(number=one.number, values=one.values, choices=(), excess=by, why=why, row=row)
+        return Machine(number=variant.number, values=variant.values, choices=(), excess=by, why=why, row=row)
 
 
 def _by_number(rows: Iterable[Row]) -> dict[int, list[Row]]:
     """Rows of each machine by its number."""
-    return {number: list(some) for number, some in groupby(rows, key=lambda row: int(row[0]))}
+    return {number: list(group) for number, group in groupby(rows, key=lambda row: int(row[0]))}
 
 
 @contextmanager
@@ -184,7 +188,7 @@ def machines(task: Task, on: Workers | None, folder: Path | None, *, fresh: bool
         return
     folders.usable(folder)
     origin = folders.made_of(task.plan)
-    goals = [*(one.text for one in task.goals), *(one.text for one in task.limits)]
+    goals = [*(expression.text for expression in task.goals), *(expression.text for expression in task.limits)]
     origin["goals"] = json.dumps([goals, task.evaluations, task.seed])
     with folders.locked(folder):
         yield Machines(task, on, folders.Store(folder, task.plan, origin, fresh=fresh))
@@ -203,15 +207,15 @@ _WEIGHTS = 5  # directions of a front beside its ends
 def every_machine(of: Machines, progress: Progress) -> None:
     """Size a grid; where the spec alone says how good a machine is, only until none that is left could win."""
     task = of.task
-    order: list[Values] = [*product(*(one.values for one in task.free))]
+    order: list[Values] = [*product(*(axis.values for axis in task.free))]
     known = not {*names_in(task.goals)} & {*NAMED, "merit"}
     if known and len(task.goals) == 1:
         value = {values: task.minimise.value(of.figures_of_spec(values)) for values in order}
         order.sort(key=value.__getitem__)
     for start in range(0, len(order), _CHUNK):
-        found = of.at(order[start : start + _CHUNK])
+        machines = of.at(order[start : start + _CHUNK])
         progress(min(start + _CHUNK, len(order)), len(order))
-        if known and len(task.goals) == 1 and any(one.choices for one in found):
+        if known and len(task.goals) == 1 and any(machine.choices for machine in machines):
             return
 
 
@@ -220,12 +224,12 @@ def evolved(of: Machines, progress: Progress) -> None:
     task = of.task
     ends = len(task.goals)
     searches = 1 if ends == 1 else ends + _WEIGHTS
-    each = task.evaluations // searches
+    evaluations = task.evaluations // searches
     _coarse(of, int(_COARSE * task.evaluations), progress)
     for goal in range(ends):
-        _in_boxes(of, methodcaller("score", goal), each, task.seed + goal, progress)
+        _in_boxes(of, methodcaller("score", goal), evaluations, task.seed + goal, progress)
     for n, weights in enumerate(_directions(ends) if ends > 1 else ()):
-        _in_boxes(of, _along(of, weights), each, task.seed + ends + n, progress)
+        _in_boxes(of, _along(of, weights), evaluations, task.seed + ends + n, progress)
 
 
 def _directions(goals: int) -> Iterator[Array]:
@@ -241,17 +245,17 @@ def _directions(goals: int) -> Iterator[Array]:
 
 def _along(of: Machines, weights: Array) -> Score:
     """The greatest weighted distance of a machine's best drive from the ideal, in parts of the front's extent [3]."""
-    every = np.array([one.goals for machine in of.good for one in machine.choices])
-    if not len(every):
+    goals = np.array([choice.goals for machine in of.good for choice in machine.choices])
+    if not len(goals):
         return Machine.score
-    ideal = every.min(axis=0)
-    extent = every[undominated(-every)].max(axis=0) - ideal
+    ideal = goals.min(axis=0)
+    extent = goals[undominated(-goals)].max(axis=0) - ideal
     extent = np.where(extent > 0.0, extent, 1.0)
 
-    def score(one: Machine) -> float:
-        if not one.choices:
-            return one.score()
-        shares = (np.array([choice.goals for choice in one.choices]) - ideal) / extent * weights
+    def score(machine: Machine) -> float:
+        if not machine.choices:
+            return machine.score()
+        shares = (np.array([choice.goals for choice in machine.choices]) - ideal) / extent * weights
         return float((shares.max(axis=1) + 1e-3 * shares.sum(axis=1)).min())
 
     return score
@@ -260,27 +264,27 @@ def _along(of: Machines, weights: Array) -> Score:
 def _coarse(of: Machines, most: int, progress: Progress) -> None:
     """A coarse grid with the ends of all ranges: a best machine often lies there; of many figures a Latin hypercube."""
     free = of.task.free
-    low, high = (np.array(ends) for ends in zip(*(one.bounds for one in free), strict=True))
+    low, high = (np.array(ends) for ends in zip(*(axis.bounds for axis in free), strict=True))
     steps = int(most ** (1.0 / len(free)) + 1e-9)
     if steps < 3:
         shares = qmc.LatinHypercube(len(free), rng=np.random.default_rng(of.task.seed)).random(most)
         points = low + shares * (high - low)
     else:
         points = np.array(list(product(*(np.linspace(*ends, steps) for ends in zip(low, high, strict=True)))))
-    every = [tuple(f.value(x) for f, x in zip(free, point, strict=True)) for point in points.tolist()]
-    for start in range(0, len(every), _CHUNK):
-        of.at(every[start : start + _CHUNK])
+    values = [tuple(f.value(x) for f, x in zip(free, point, strict=True)) for point in points.tolist()]
+    for start in range(0, len(values), _CHUNK):
+        of.at(values[start : start + _CHUNK])
         progress(len(of.known), of.task.evaluations)
 
 
 def _in_boxes(of: Machines, score: Score, most: int, seed: int, progress: Progress) -> None:
     free = of.task.free
-    low, high = (np.array(ends) for ends in zip(*(one.bounds for one in free), strict=True))
+    low, high = (np.array(ends) for ends in zip(*(axis.bounds for axis in free), strict=True))
     for share, part in _BOXES:
-        first = min(of.known.values(), key=lambda one: (score(one), one.number))
-        best = np.array([one.coordinate(value) for one, value in zip(free, first.values, strict=True)])
+        first = min(of.known.values(), key=lambda machine: (score(machine), machine.number))
+        best = np.array([axis.coordinate(value) for axis, value in zip(free, first.values, strict=True)])
         reach = share * (high - low) / (1.0 if share == 1.0 else 2.0)
-        whole = np.array([not one.continuous for one in free])
+        whole = np.array([not axis.continuous for axis in free])
         reach = np.where(whole, np.maximum(np.floor(reach), 1.0), reach)
         box = np.maximum(low, best - reach), np.minimum(high, best + reach)
         _minimise(of, score, box, int(most * part), seed, best, progress)
@@ -297,15 +301,15 @@ def _minimise(
         return
 
     def points(columns: Array) -> list[Values]:
-        every = np.repeat(start[:, None], columns.shape[1], axis=1)
-        every[open_] = columns
-        return [tuple(f.value(x) for f, x in zip(free, column, strict=True)) for column in every.T.tolist()]
+        coordinates = np.repeat(start[:, None], columns.shape[1], axis=1)
+        coordinates[open_] = columns
+        return [tuple(f.value(x) for f, x in zip(free, column, strict=True)) for column in coordinates.T.tolist()]
 
     def scores(columns: Array) -> Array:
-        some = columns if columns.ndim == 2 else columns[:, None]
-        found = np.array([score(one) for one in of.at(points(some))])
+        matrix = columns if columns.ndim == 2 else columns[:, None]
+        values = np.array([score(machine) for machine in of.at(points(matrix))])
         progress(min(len(of.known), of.task.evaluations), of.task.evaluations)
-        return found if columns.ndim == 2 else found[0]
+        return values if columns.ndim == 2 else values[0]
 
     hypercube = qmc.LatinHypercube(len(open_), rng=np.random.default_rng(seed)).random(count)
     population = low[open_] + hypercube * (high - low)[open_]
@@ -325,21 +329,21 @@ def front_of(of: Machines) -> list[Pair]:
     """Machines with drives that no other beats in all goals, in the order of the first."""
     if len(of.task.goals) < 2:
         return []
-    every = [(machine, choice) for machine in of.good for choice in machine.choices]
-    every.sort(key=lambda pair: (-pair[1].margin, pair[0].number))  # of equal ones the first remains
-    goals = np.array([[float(f"{value:.9g}") for value in choice.goals] for _, choice in every])
-    found = [every[n] for n in undominated(-goals).tolist()] if every else []
-    return sorted(found, key=lambda pair: pair[1].goals)
+    pairs = [(machine, choice) for machine in of.good for choice in machine.choices]
+    pairs.sort(key=lambda pair: (-pair[1].margin, pair[0].number))  # of equal ones the first remains
+    goals = np.array([[float(f"{value:.9g}") for value in choice.goals] for _, choice in pairs])
+    front = [pairs[n] for n in undominated(-goals).tolist()] if pairs else []
+    return sorted(front, key=lambda pair: pair[1].goals)
 
 
-def best_of(some: Sequence[Machine]) -> Machine | None:
+def best_of(machines: Sequence[Machine]) -> Machine | None:
     """The best machine: by the first goal, then by its smallest margin, then the one that was looked at first."""
-    good = [(one, choice) for one in some if (choice := one.choice())]
+    good = [(machine, choice) for machine in machines if (choice := machine.choice())]
     if not good:
         return None
     return min(good, key=lambda pair: (float(f"{pair[1].goals[0]:.9g}"), -pair[1].margin, pair[0].number))[0]
 
 
-def nearest_of(some: Sequence[Machine]) -> Machine | None:
+def nearest_of(machines: Sequence[Machine]) -> Machine | None:
     """The machine that is closest to being within the limits."""
-    return min(some, key=lambda one: (one.excess, one.number), default=None)
+    return min(machines, key=lambda machine: (machine.excess, machine.number), default=None)

@@ -57,12 +57,14 @@ class Task:
     @property
     def goals(self) -> tuple[Expression, ...]:
         """Goals: first the one that decides, then those of the front."""
-        return (self.minimise, *(one for one in self.pareto if one.text != self.minimise.text))
+        return (self.minimise, *(goal for goal in self.pareto if goal.text != self.minimise.text))
 
     @property
     def combinations(self) -> float:
         """Number of machines there are; infinite where a range has no steps."""
-        return inf if any(one.continuous for one in self.free) else prod(float(len(one.values)) for one in self.free)
+        return (
+            inf if any(axis.continuous for axis in self.free) else prod(float(len(axis.values)) for axis in self.free)
+        )
 
     @cached_property
     def figures(self) -> SpecFigures:
@@ -78,11 +80,11 @@ class Task:
     def filled(self, values: Sequence[Any]) -> str:
         """The spec's text with its free figures filled in, and what follows from them."""
         data = self.figures.source.data
-        for one, value in zip(self.free, values, strict=True):
-            data = changed(data, one.path, value)
+        for axis, value in zip(self.free, values, strict=True):
+            data = changed(data, axis.path, value)
         for derived in self.job.derived:
             data = derived.entered(data, self.figures)
-        places = [*(one.path for one in self.free), *(one.path for one in self.job.derived)]
+        places = [*(figure.path for figure in self.free), *(figure.path for figure in self.job.derived)]
         edits = [*(Edit(path, value_at(data, path)) for path in places), *self.own_limits]
         if self.job.objectives[0] is not None and not is_machine(self.source):
             edits.append(Edit(("select", "objective"), self.job.objectives[0]))
@@ -94,15 +96,15 @@ def read_task(
     *,
     free: Mapping[str, Any] | None = None,
     merit: Callable[[DriveSet], float] | None = None,
-    **given: Any,
+    **options: Any,
 ) -> Task:
     """The task of a spec."""
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
-    section = _section(source, {name: value for name, value in given.items() if value is not None})
+    section = _section(source, {name: value for name, value in options.items() if value is not None})
     spaces, texts, data = _spaces(source, free or {})
     plain = source.with_data(data)
-    axes = tuple(_free(Place(source, path), plain, path, one) for path, one in spaces.items())
+    axes = tuple(_free(Place(source, path), plain, path, space) for path, space in spaces.items())
     if not axes:
         raise InputError(f"{source.name}: no figure is free; expected one or more, {_EXAMPLE}")
     figures = SpecFigures(plain)
@@ -110,8 +112,8 @@ def read_task(
         figures, {field_name(path): text for path, text in texts.items()},
         lambda name, error: InputError(f"{source.where(figures.place(name)[0])}: {error}"),
     )  # fmt: skip
-    for one in derived:
-        data = one.entered(data, figures)
+    for figure in derived:
+        data = figure.entered(data, figures)
     edits = [Edit(path, value_at(data, path)) for path in (*spaces, *texts)]
     minimise, pareto, limits = _goals(source, section, figures, merit is not None)
     own, limits = _own_limits(data, limits)
@@ -134,10 +136,10 @@ def read_task(
     )  # fmt: skip
 
 
-def _section(source: YamlSource, given: dict[str, Any]) -> Design:
+def _section(source: YamlSource, options: dict[str, Any]) -> Design:
     written = source.data.get("design") or {}
     try:
-        return Design.model_validate({**written, **given} if isinstance(written, dict) else written)
+        return Design.model_validate({**written, **options} if isinstance(written, dict) else written)
     except ValidationError as error:
         below = source.with_data(written)
         raise explained(error, below, Design, at=()) from None
@@ -148,35 +150,35 @@ def _spaces(source: YamlSource, free: Mapping[str, Any]) -> tuple[dict[Path_, An
     figures, data = SpecFigures(source), source.data
     spaces: dict[Path_, Any] = {}
     texts: dict[Path_, str] = {}
-    for path, given in open_figures(data):
-        if EXPRESSION in given:
-            if len(given) > 1 or not isinstance(given[EXPRESSION], str):
+    for path, fields in open_figures(data):
+        if EXPRESSION in fields:
+            if len(fields) > 1 or not isinstance(fields[EXPRESSION], str):
                 raise InputError(f'{source.where(path)}: expected {{expression: "2 * load.wheel_diameter"}} alone')
-            texts[path] = given[EXPRESSION]
+            texts[path] = fields[EXPRESSION]
             continue
-        if unknown := [key for key in given if key not in (FREE, "step")]:
+        if unknown := [key for key in fields if key not in (FREE, "step")]:
             raise InputError(f"{source.where((*path, unknown[0]))}: unknown key; expected free, step"
                              f"{nearest(unknown[0], (FREE, 'step'))}")  # fmt: skip
-        spaces[path] = given
-    for name, given in free.items():
-        spaces[figures.path(name)] = given if isinstance(given, dict) else {FREE: given}
-    for path, given in spaces.items():
-        data = changed(data, path, _first(given[FREE]))
+        spaces[path] = fields
+    for name, fields in free.items():
+        spaces[figures.path(name)] = fields if isinstance(fields, dict) else {FREE: fields}
+    for path, fields in spaces.items():
+        data = changed(data, path, _first(fields[FREE]))
     return spaces, texts, data
 
 
-def _first(given: Any) -> Any:
-    if isinstance(given, list):
-        return given[0] if given else None
-    match = _RANGE.fullmatch(str(given))
-    return match["low"] if match else given
-
-
-def _free(place: Place, plain: YamlSource, path: Path_, given: dict[str, Any]) -> Axis:
-    """A free figure with its range, with steps or without, or its choice."""
-    name, space = field_name(path), given[FREE]
+def _first(space: Any) -> Any:
     if isinstance(space, list):
-        if "step" in given:
+        return space[0] if space else None
+    match = _RANGE.fullmatch(str(space))
+    return match["low"] if match else space
+
+
+def _free(place: Place, plain: YamlSource, path: Path_, fields: dict[str, Any]) -> Axis:
+    """A free figure with its range, with steps or without, or its choice."""
+    name, space = field_name(path), fields[FREE]
+    if isinstance(space, list):
+        if "step" in fields:
             raise place.error("a choice has no steps; expected a range with it", "step")
         return axis_of(place, plain, name, space, True)
     match = _RANGE.fullmatch(space) if isinstance(space, str) else None
@@ -192,15 +194,15 @@ def _free(place: Place, plain: YamlSource, path: Path_, given: dict[str, Any]) -
     if not low < high:
         raise place.error(f"{quoted(space)}: the first is not below the second; expected {_EXAMPLE}", FREE)
     axis = Axis(name=name, path=path, kind=kind).between(match["low"], match["high"])
-    if "step" not in given:
+    if "step" not in fields:
         return axis
     try:
-        step = to_si(given["step"], kind) / (scale(axis.unit, kind)[0] if axis.unit else 1.0)
+        step = to_si(fields["step"], kind) / (scale(axis.unit, kind)[0] if axis.unit else 1.0)
     except InputError as error:
         raise place.error(error, "step") from None
     first, last = axis.bounds
     if not 0.0 < step <= last - first or (last - first) / step > 100_000:
-        raise place.error(f"{quoted(given['step'])} is no step of it; expected up to the range, {_EXAMPLE}", "step")
+        raise place.error(f"{quoted(fields['step'])} is no step of it; expected up to the range, {_EXAMPLE}", "step")
     count = floor((last - first) / step + 1e-9) + 1
     return replace(axis, values=tuple(f"{first + n * step:.12g} {axis.unit}".rstrip() for n in range(count)))
 
@@ -222,14 +224,14 @@ def _goals(
 def _own_limits(data: Any, limits: Iterable[Limit]) -> tuple[tuple[Edit, ...], tuple[Limit, ...]]:
     """Limits that the battery's section can say: the search holds every drive to them."""
     battery, own, rest = data.get("battery"), list[Edit](), list[Limit]()
-    for one in limits:
-        name = one.of.text
-        if name in _OF_BATTERY and one.sign == ">=" and isinstance(battery, dict):
-            given = battery.get(name)
-            if given is None or to_si(given, NAMED[name].kind) < one.bound:
-                own.append(Edit(("battery", name), f"{one.bound:.12g} {_OF_BATTERY[name]}"))
+    for limit in limits:
+        name = limit.of.text
+        if name in _OF_BATTERY and limit.sign == ">=" and isinstance(battery, dict):
+            bound = battery.get(name)
+            if bound is None or to_si(bound, NAMED[name].kind) < limit.bound:
+                own.append(Edit(("battery", name), f"{limit.bound:.12g} {_OF_BATTERY[name]}"))
             continue
-        rest.append(one)
+        rest.append(limit)
     return tuple(own), tuple(rest)
 
 
@@ -239,13 +241,13 @@ def _inside(
     """The objective of the search for a drive, objectives of which it gives the front, and notes."""
     if judged:
         return None, ("mass", "price"), ()
-    wanted = list(dict.fromkeys(NAMED[n].by for n in names_in((*goals, *limits)) if n in NAMED and NAMED[n].by))
+    objectives = list(dict.fromkeys(NAMED[n].by for n in names_in((*goals, *limits)) if n in NAMED and NAMED[n].by))
     notes: tuple[str, ...] = ()
-    if data.get("method") == "paper" and (left := [one for one in wanted if one in COUNTED]):
-        wanted = [one for one in wanted if one not in left]
+    if data.get("method") == "paper" and (left := [objective for objective in objectives if objective in COUNTED]):
+        objectives = [objective for objective in objectives if objective not in left]
         notes = (f"the paper's method ranks no drives by {' and '.join(left)}: drives are chosen by what it does",)
-    if several and len(wanted) > 1:
-        notes = (*notes, f"drives of each axis are chosen by {wanted[0]} alone")
-        wanted = wanted[:1]
-    assert all(one in OBJECTIVES for one in wanted)
-    return (wanted[0] if wanted else None), tuple(wanted) if len(wanted) > 1 else (), notes
+    if several and len(objectives) > 1:
+        notes = (*notes, f"drives of each axis are chosen by {objectives[0]} alone")
+        objectives = objectives[:1]
+    assert all(objective in OBJECTIVES for objective in objectives)
+    return (objectives[0] if objectives else None), tuple(objectives) if len(objectives) > 1 else (), notes

@@ -141,12 +141,12 @@ def take_in(
         imported = imported if answered is planned else import_table(tables, file, answered, target, partners)
     written = []  # before anything is printed, whose reader may go away
     if map_ is None and not dry_run and any(head.column not in ("", head.theirs) for head in imported.heads):
-        beside = target.with_suffix(".map.yaml")
-        new(beside, map_text(imported, planned).encode())
+        map_path = target.with_suffix(".map.yaml")
+        new(map_path, map_text(imported, planned).encode())
         kind = "" if section else f" --section {imported.section}"
         written.append(
-            f"{beside} written: mend it where the guess is wrong, remove {target} and import again "
-            f"with --map {beside}{kind}"
+            f"{map_path} written: mend it where the guess is wrong, remove {target} and import again "
+            f"with --map {map_path}{kind}"
         )
     if not dry_run:
         new(target, imported.text.encode())
@@ -154,7 +154,7 @@ def take_in(
         fits = assumed or "it states no compatibility: name a catalogue by --with, or add it at its end"
         written.append(f"{target} written; {fits}")
     show_blocks(catalogue.imported(imported, guessed=map_ is None))
-    wrong = [one for one in checked(imported.catalog) if one.unexplained]
+    wrong = [finding for finding in checked(imported.catalog) if finding.unexplained]
     if wrong:
         show_blocks(catalogue.findings(wrong))
     for line in written:
@@ -171,8 +171,8 @@ def _completed(imported: Imported, planned: Plan) -> Plan:
             question = f"column of {quoted(head.theirs)}, first {quoted(first)}; empty: left out"
             if column := answer(question, lambda text: _one_of(text, known)):
                 answers[head.theirs] = column
-    said, kinds = {*common, *answers.values(), *(head.column for head in imported.heads)}, ("brushed", "brushless")
-    if imported.section in ("motors", "actuators") and "kind" not in said:
+    columns, kinds = {*common, *answers.values(), *(head.column for head in imported.heads)}, ("brushed", "brushless")
+    if imported.section in ("motors", "actuators") and "kind" not in columns:
         kind = answer(f"kind of the {imported.section}: {' or '.join(kinds)}", lambda text: _one_of(text, kinds))
         common |= {"kind": kind} if kind else {}
     if answers == planned.answers and common == planned.common:
@@ -215,31 +215,31 @@ def add(
 
     known_section(section)
     _target(output)
-    given = dict[str, Any]()
+    figures = dict[str, Any]()
     for entry in set_ or ():
         name, sign, text = entry.partition("=")
         if not sign or not text.strip():
             raise InputError(f"--set: {quoted(entry)}; expected a field and its figure, e.g. 'voltage=12 V'")
-        given[name.strip()] = text.strip()
+        figures[name.strip()] = text.strip()
 
     def read(**more: Any) -> str:
-        return typed_part(written({"document": "a shop's page", **given, **more}, "--set"), (), section)
+        return typed_part(written({"document": "a shop's page", **figures, **more}, "--set"), (), section)
 
-    def tried(name: str, text: str) -> str:
+    def read_with(name: str, text: str) -> str:
         return read(**{NAME: "x"} | {name: text})
 
-    said = {meant_by(section, name) for name in given}
+    fields = {meant_by(section, name) for name in figures}
     for name in (NAME, "maker", *on_shop_pages(section), *SHARED) if at_a_terminal() else ():
-        if name not in said and (found := answer(_question(section, name), partial(tried, name))):
-            given[name] = found
-    if NAME not in given:
+        if name not in fields and (figure := answer(_question(section, name), partial(read_with, name))):
+            figures[name] = figure
+    if NAME not in figures:
         raise InputError("--set: the part has no name; expected e.g. --set name=775")
-    part, empty = read(), f"catalog: 1\nmanufacturer: {given.get('maker', 'own')}\n"
-    made = with_part(output.read_text(encoding="utf-8") if output.exists() else empty, str(output), part)
-    write_files({output: made.encode()})
+    part, empty = read(), f"catalog: 1\nmanufacturer: {figures.get('maker', 'own')}\n"
+    content = with_part(output.read_text(encoding="utf-8") if output.exists() else empty, str(output), part)
+    write_files({output: content.encode()})
     catalog = catalog_of_text(Path("added.yaml"), part.encode())
     show_blocks(catalogue.added(catalog, section, output))
-    if wrong := [one for one in checked(catalog) if one.unexplained]:
+    if wrong := [finding for finding in checked(catalog) if finding.unexplained]:
         show_blocks(catalogue.findings(wrong))
 
 
@@ -297,21 +297,21 @@ def listed(
     accept_reports(report)
     shelf = open_named(catalog)
     options = {"family": family, "voltage": voltage, "diameter": diameter, "power": power, "kind": kind}
-    wanted = [*filter(None, options.values()), *(where or ()), sort]
-    if section is None and not any(wanted) and not (json or csv):
+    conditions = [*filter(None, options.values()), *(where or ()), sort]
+    if section is None and not any(conditions) and not (json or csv):
         present(catalogue.overview(shelf), report)
         return
-    found = _selected(shelf, section, options, where or [], sort=sort, excluded=excluded)
-    hits = [hit for selection in found.values() for hit in selection.hits]
+    selections = _selected(shelf, section, options, where or [], sort=sort, excluded=excluded)
+    hits = [hit for selection in selections.values() for hit in selection.hits]
     if csv:
         write_csv(csv, hits)
     if json:
-        undecided = sum(selection.undecided for selection in found.values())
+        undecided = sum(selection.undecided for selection in selections.values())
         print_json({"found": len(hits), "undecided": undecided} | as_document(shelf, hits))
         raise typer.Exit(0 if hits else 1)
     named = [*(name_of(text) for text in where or []), sort.removeprefix("-")]  # columns that conditions name
-    shown = {name: one for name, one in found.items() if one.hits or section or not hits}
-    present(catalogue.listing(shown, limit, named), report)
+    sections = {name: selection for name, selection in selections.items() if selection.hits or section or not hits}
+    present(catalogue.listing(sections, limit, named), report)
     raise typer.Exit(0 if hits else 1)
 
 
@@ -324,11 +324,13 @@ def _selected(
 
     names = [known_section(section)] if section else [s for s in PARTS if has(s, where, how["sort"])] or list(PARTS)
     required = {name: conditions(name, options, where) for name in names}
-    found = {name: select(shelf, name, some, **how) for name, some in required.items() if some is not None}
-    if not found:
-        given = ", ".join(f"--{name}" for name, text in options.items() if text is not None)
-        raise InputError(f"{given}: {section or 'no section'} has no such figure; --where takes any column")
-    return found
+    selections = {
+        name: select(shelf, name, condition, **how) for name, condition in required.items() if condition is not None
+    }
+    if not selections:
+        flags = ", ".join(f"--{name}" for name, text in options.items() if text is not None)
+        raise InputError(f"{flags}: {section or 'no section'} has no such figure; --where takes any column")
+    return selections
 
 
 @app.command(epilog="Example: drivesizer catalog show 118752 --source")
@@ -349,9 +351,9 @@ def show(
         from drivesizer.catalog.estimates import as_records
 
         document = as_document(shelf, hits, sources=True)
-        for one, hit in zip(document["parts"], hits, strict=True):
-            one["goes_with"] = partners(hit)
-            one["estimates"] = as_records(hit.table, hit.row)
+        for record, hit in zip(document["parts"], hits, strict=True):
+            record["goes_with"] = partners(hit)
+            record["estimates"] = as_records(hit.table, hit.row)
         print_json(document)
         return
     from drivesizer.output.document import catalogue
@@ -407,18 +409,18 @@ def search(
 
     shelf = open_named(catalog)
     groups, parts = look(shelf, text)
-    found = bool(parts or any(groups.values()))
+    has_hits = bool(parts or any(groups.values()))
     if json:
         names = {section: {name: len(hits) for name, hits in group.items()} for section, group in groups.items()}
         print_json({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]})
-    elif found:
+    elif has_hits:
         from drivesizer.output.document import catalogue
 
         show_blocks(catalogue.searched(groups, parts, limit))
     else:
         known = {name for group in families(shelf).values() for name in group} | {hit.part for hit in every(shelf)}
         typer.echo(f"drivesizer: {quoted(text)} is in no number, family or kind{nearest(text, known)}", err=True)
-    raise typer.Exit(0 if found else 1)
+    raise typer.Exit(0 if has_hits else 1)
 
 
 @app.command(epilog="Example: drivesizer catalog stats --catalog maxon")
@@ -447,16 +449,16 @@ def check(
     """Check that figures are consistent; status 1 when a contradiction is unexplained."""
     from drivesizer.catalog.laws import check as checked
 
-    found = [one for shelved in open_named(catalog).values() for one in checked(shelved)]
+    findings = [finding for shelved in open_named(catalog).values() for finding in checked(shelved)]
     if json:
         from drivesizer.catalog.query import as_finding
 
-        print_json({"findings": [as_finding(one) for one in found if one.unexplained or everything]})
+        print_json({"findings": [as_finding(finding) for finding in findings if finding.unexplained or everything]})
     else:
         from drivesizer.output.document import catalogue
 
-        show_blocks(catalogue.findings(found, everything=everything))
-    raise typer.Exit(1 if any(one.unexplained for one in found) else 0)
+        show_blocks(catalogue.findings(findings, everything=everything))
+    raise typer.Exit(1 if any(finding.unexplained for finding in findings) else 0)
 
 
 app.command(epilog="Example: drivesizer catalog export motors -o motors.csv")(export)

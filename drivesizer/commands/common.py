@@ -167,37 +167,37 @@ def load(
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
     # once: a pipe has nothing more to read
-    found = load_any(path, (lambda source: with_fields(source, words)) if words else None)
+    machine = load_any(path, (lambda source: with_fields(source, words)) if words else None)
     try:  # a file by its whole path, which is not beside the spec
-        names = [one if one in ("all", *shipped()) else str(path_of(one).absolute()) for one in more or ()]
+        names = [name if name in ("all", *shipped()) else str(path_of(name).absolute()) for name in more or ()]
     except UnknownCatalogError as error:
         raise InputError(f"--catalog: {error}") from None
 
-    def with_more(one: RobotSpec) -> RobotSpec:
-        select = one.select.model_copy(update={"catalogs": list(dict.fromkeys([*one.select.catalogs, *names]))})
-        return one.model_copy(update={"select": select})
+    def with_more(spec: RobotSpec) -> RobotSpec:
+        select = spec.select.model_copy(update={"catalogs": list(dict.fromkeys([*spec.select.catalogs, *names]))})
+        return spec.model_copy(update={"select": select})
 
-    if axis is not None and not is_machine(found.source):
+    if axis is not None and not is_machine(machine.source):
         raise InputError(f"--axis: {path} has no axes; leave it out")
-    found = found.changed(with_more) if names else found
-    return found if axis is None else alone(found, axis)
+    machine = machine.changed(with_more) if names else machine
+    return machine if axis is None else alone(machine, axis)
 
 
 def load_chosen(
-    path: Path, chosen: list[str] | None, more: list[str] | None, axis: str | None
+    path: Path, words: list[str] | None, more: list[str] | None, axis: str | None
 ) -> tuple[MachineSpec, list[str]]:
     """A machine with the fields that ``--set`` gives, and the drives that it names."""
-    fields, drives = fields_and_drives(chosen)
+    fields, drives = fields_and_drives(words)
     return load(path, more, axis, fields), drives
 
 
 def one_drive(
-    path: Path, chosen: list[str] | None, more: list[str] | None, axis: str | None, why: str
+    path: Path, words: list[str] | None, more: list[str] | None, axis: str | None, why: str
 ) -> tuple[RobotSpec, DriveSet]:
     """The spec and the drive of a single axis, named or the best; of several the one that is wanted must be named."""
-    machine, drives = load_chosen(path, chosen, more, axis)
+    machine, drives = load_chosen(path, words, more, axis)
     if machine.is_several:
-        raise InputError(f"--axis: expected one of {', '.join(one.name for one in machine.axes)}; {why}")
+        raise InputError(f"--axis: expected one of {', '.join(axis.name for axis in machine.axes)}; {why}")
     return with_drives(machine, drives)[0][0][1:]
 
 
@@ -205,10 +205,10 @@ def load_axis(
     path: Path, more: list[str] | None = None, axis: str | None = None, words: list[str] | None = None
 ) -> RobotSpec:
     """Read the spec of a single axis, as :func:`load`; a machine of several is refused without one that is wanted."""
-    found = load(path, more, axis, words)
-    if not found.is_several:
-        return found.axes[0].spec
-    names = [one.name for one in found.axes] + (["a joint of its robot"] if found.robot else [])
+    machine = load(path, more, axis, words)
+    if not machine.is_several:
+        return machine.axes[0].spec
+    names = [axis.name for axis in machine.axes] + (["a joint of its robot"] if machine.robot else [])
     raise InputError(f"{path}: a machine of several axes; expected --axis, one of {', '.join(names)}")
 
 
@@ -243,46 +243,46 @@ def _pareto(text: str | None) -> tuple[str, ...]:
 
 
 def with_drives(
-    machine: MachineSpec, chosen: list[str] | None, top: int = 1
+    machine: MachineSpec, words: list[str] | None, top: int = 1
 ) -> tuple[list[tuple[str, RobotSpec, DriveSet]], MachineSizing | None]:
     """Name, spec and drive of each axis, by ``--set`` or the best; and the sizing, None where nothing was searched."""
     several = machine.is_several
-    if chosen and not several:
-        if len(chosen) > 1:
-            raise InputError(f"--set: {quoted(chosen[1])} is a second drive of one axis; expected one")
-        return [("", machine.axes[0].spec, _named(machine.axes[0].spec, chosen[0]))], None
-    wanted = {}
-    for text in chosen or ():
+    if words and not several:
+        if len(words) > 1:
+            raise InputError(f"--set: {quoted(words[1])} is a second drive of one axis; expected one")
+        return [("", machine.axes[0].spec, _named(machine.axes[0].spec, words[0]))], None
+    parts_by_axis = {}
+    for text in words or ():
         axis, _, parts = text.partition("=")
         if not parts:
             expected = "expected AXIS=MOTOR/GEARHEAD, e.g. lift=118752/406764"
             raise InputError(f"--set: {quoted(text)} names no axis; {expected}")
-        wanted[axis] = parts
+        parts_by_axis[axis] = parts
     result = sized(machine, top)
-    for name in wanted:
+    for name in parts_by_axis:
         result.axis(name)
-    axes, found = [], []
+    axes, drives = [], []
     for axis_sizing in result.axes:
-        name, one = axis_sizing.name, axis_sizing.result
-        if name in wanted:
-            one = replace(one, sets=(_named(axis_sizing.spec, wanted[name]),))
-        if not one.sets:
+        name, sizing = axis_sizing.name, axis_sizing.result
+        if name in parts_by_axis:
+            sizing = replace(sizing, sets=(_named(axis_sizing.spec, parts_by_axis[name]),))
+        if not sizing.sets:
             text = "no drive meets all limits; `drivesizer size` shows the closest rejected"
             raise NothingFitsError(f"{name}: {text}" if several else f"{text}, --set names one to validate")
-        axes.append(replace(axis_sizing, result=one))
-        found.append((name if several else "", axis_sizing.spec, one.sets[0]))
-    return found, replace(result, axes=tuple(axes))
+        axes.append(replace(axis_sizing, result=sizing))
+        drives.append((name if several else "", axis_sizing.spec, sizing.sets[0]))
+    return drives, replace(result, axes=tuple(axes))
 
 
-def _named(spec: RobotSpec, chosen: str) -> DriveSet:
+def _named(spec: RobotSpec, text: str) -> DriveSet:
     """The drive of these parts that passes best, with any belt of the spec."""
     from drivesizer.results.check import GRAVEST
     from drivesizer.sizing import explain
 
-    parts = [part.strip() for part in chosen.split("/")]
+    parts = [part.strip() for part in text.split("/")]
     if len(parts) > 2 or not all(parts):
-        raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
-    return min(explain(spec, *parts), key=lambda one: (GRAVEST[::-1].index(one.status), one.rank))
+        raise InputError(f"--set: {quoted(text)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
+    return min(explain(spec, *parts), key=lambda drive: (GRAVEST[::-1].index(drive.status), drive.rank))
 
 
 def print_json(document: Any) -> None:
@@ -339,29 +339,29 @@ def print_notes(messages: Iterable[str], axis: str = "") -> None:
         typer.echo(f"note: {axis}: {message}" if axis else f"note: {message}", err=True)
 
 
-def print_notes_of_axes(found: Mapping[str, Iterable[str]]) -> None:
+def print_notes_of_axes(notes_by_axis: Mapping[str, Iterable[str]]) -> None:
     """Print the notes of each axis; one that several axes have is a line that names them, or none where all have it."""
     axes: dict[str, list[str]] = {}
-    for name, notes in found.items():
+    for name, notes in notes_by_axis.items():
         for note in notes:
             axes.setdefault(note, []).append(name)
     for note, names in axes.items():
-        print_notes([note], ", ".join(names) if len(names) < len(found) else "")
+        print_notes([note], ", ".join(names) if len(names) < len(notes_by_axis) else "")
 
 
 @contextmanager
 def progress(of: str = "drives examined", after: float = _PATIENCE) -> Iterator[Callable[[int, int], None]]:
     """Progress bar on stderr with the remaining time, after some time [s]; earlier runs do not count for the speed."""
     bar: Any = None
-    started, looked = time.monotonic(), False
+    started, late = time.monotonic(), False
 
     def advance(done: int, total: int) -> None:
-        nonlocal bar, looked
-        if not looked and time.monotonic() - started >= after:
+        nonlocal bar, late
+        if not late and time.monotonic() - started >= after:
             from rich import progress as rich
             from rich.console import Console
 
-            looked, console = True, Console(stderr=True)
+            late, console = True, Console(stderr=True)
             if console.is_terminal and not console.is_dumb_terminal:
                 bar = rich.Progress(
                     rich.TextColumn(of), rich.BarColumn(), rich.MofNCompleteColumn(), rich.TimeRemainingColumn(),
@@ -380,12 +380,12 @@ def progress(of: str = "drives examined", after: float = _PATIENCE) -> Iterator[
 
 
 @contextmanager
-def stoppable(kept: str) -> Iterator[None]:
+def stoppable(message: str) -> Iterator[None]:
     """Work that Ctrl-C ends with a line on what is kept of it."""
     try:
         yield
     except KeyboardInterrupt:
-        typer.echo(f"drivesizer: {kept}", err=True)
+        typer.echo(f"drivesizer: {message}", err=True)
         raise typer.Exit(STOPPED) from None
 
 
@@ -433,42 +433,42 @@ def working(on: str) -> Iterator[None]:
         yield
         return
     line = console.status(f"{on} ...")
-    late = threading.Timer(_PATIENCE, line.start)
-    late.start()
+    timer = threading.Timer(_PATIENCE, line.start)
+    timer.start()
     try:
         yield
     finally:
-        late.cancel()
-        late.join()
+        timer.cancel()
+        timer.join()
         line.stop()
 
 
 # -- The recommended drives of a machine in closed loop, each in its hardest load case, or why they cannot be.
 
 
-def _as_sized(spec: RobotSpec, one: DriveSet) -> DriveSet:
+def _as_sized(spec: RobotSpec, drive: DriveSet) -> DriveSet:
     """A drive with the checks of ``size`` in a changed spec."""
     from drivesizer.sizing import explain
 
-    same = [other for other in explain(spec, *one.order_numbers.split("/")) if other.belt_ratio == one.belt_ratio]
-    return min(same, key=lambda other: other.rank, default=one)
+    same = [other for other in explain(spec, *drive.order_numbers.split("/")) if other.belt_ratio == drive.belt_ratio]
+    return min(same, key=lambda other: other.rank, default=drive)
 
 
 def proven(result: MachineSizing, profile: str | None = None) -> tuple[MachineSizing, dict[str, Validation]]:
     """A machine and the best drive of every axis in closed loop, with the drives that ride on it in its load."""
     axes, proofs, several = [], {}, not result.alone
     for axis in result.axes:
-        one = axis.result
+        sizing = axis.result
         axes.append(axis)
-        if not one.sets:
+        if not sizing.sets:
             continue
-        best, name = one.sets[0], axis.name if several else ""
+        best, name = sizing.sets[0], axis.name if several else ""
         try:
-            proofs[axis.name] = in_closed_loop(name, one.spec, best, others=one.sets[1:], profile=profile)
+            proofs[axis.name] = in_closed_loop(name, sizing.spec, best, others=sizing.sets[1:], profile=profile)
         except NoLoopError as error:
             reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
             print_notes([reason if several else str(error)], name)
-            axes[-1] = replace(axis, result=replace(one, warnings=(*one.warnings, reason)))
+            axes[-1] = replace(axis, result=replace(sizing, warnings=(*sizing.warnings, reason)))
     return replace(result, axes=tuple(axes)), proofs
 
 
@@ -483,7 +483,7 @@ def in_closed_loop(
         from drivesizer.simulate import hardest_case, validate, with_remedies
         from drivesizer.sizing import size
 
-        hardest = case if case in [one for _, one, _ in load_cases(spec)] else hardest_case(spec, drive)
+        hardest = case if case in [load_case for _, load_case, _ in load_cases(spec)] else hardest_case(spec, drive)
         try:
             proof = validate(spec, drive, profile=profile, load_case=hardest)
             more = others or size(spec, top=3).sets if proof.status == "fail" else ()

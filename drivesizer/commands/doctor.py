@@ -29,19 +29,19 @@ class Finding(NamedTuple):
 
 def examined() -> list[Finding]:
     """Everything that a command needs, in the order in which it would fail."""
-    return [found for look in (_program, _libraries, _cache, _catalogues, _machine_code, _report, _terminal)
-            for found in _tried(look)]  # fmt: skip
+    return [finding for look in (_program, _libraries, _cache, _catalogues, _machine_code, _report, _terminal)
+            for finding in _findings_of(look)]  # fmt: skip
 
 
-def _tried(look: Callable[[], Iterator[Finding]]) -> list[Finding]:
+def _findings_of(look: Callable[[], Iterator[Finding]]) -> list[Finding]:
     """Findings of one check; a failure inside it is a finding too."""
-    found: list[Finding] = []
+    findings: list[Finding] = []
     try:
-        found.extend(look())
+        findings.extend(look())
     except (DrivesizerError, ImportError, OSError, RuntimeError) as error:
         name = look.__name__.strip("_").replace("_", " ")
-        found.append(Finding(name, f"{type(error).__name__}: {error}", False, "install drivesizer anew"))
-    return found
+        findings.append(Finding(name, f"{type(error).__name__}: {error}", False, "install drivesizer anew"))
+    return findings
 
 
 def _program() -> Iterator[Finding]:
@@ -63,8 +63,8 @@ def _libraries() -> Iterator[Finding]:
         try:
             version = metadata.version(name)
         except metadata.PackageNotFoundError:
-            said = f"not installed, optional: pip install drivesizer[{extra[1]}]" if extra else "missing"
-            yield Finding(name, said, extra is not None, f"pip install '{name}>={least}'")
+            state = f"not installed, optional: pip install drivesizer[{extra[1]}]" if extra else "missing"
+            yield Finding(name, state, extra is not None, f"pip install '{name}>={least}'")
             continue
         yield Finding(name, version, _number(version) >= _number(least), f"pip install '{name}>={least}'")
 
@@ -88,8 +88,8 @@ def _cache() -> Iterator[Finding]:
         with tempfile.TemporaryFile(dir=place):
             pass
     except OSError as error:
-        said = f"{place} cannot be written ({reason_of(error)})"
-        yield Finding("cache", said, False, "every start is slower; name another folder with DRIVESIZER_CACHE")
+        state = f"{place} cannot be written ({reason_of(error)})"
+        yield Finding("cache", state, False, "every start is slower; name another folder with DRIVESIZER_CACHE")
         return
     files = [path for path in place.rglob("*") if path.is_file()]
     size = sum(path.stat().st_size for path in files) / 1e6
@@ -104,8 +104,8 @@ def _catalogues() -> Iterator[Finding]:
         warnings.simplefilter("ignore", CacheWarning)  # the cache's own finding says it
         parts = load(("all",))
     counts = ", ".join(f"{len(getattr(parts, name).rows)} {name}" for name in ("motors", "gearheads", "actuators"))
-    said = f"{number_of(len(parts.digests), 'file')}: {counts}"
-    yield Finding("catalogues", said, bool(parts.digests), "install drivesizer anew")
+    text = f"{number_of(len(parts.digests), 'file')}: {counts}"
+    yield Finding("catalogues", text, bool(parts.digests), "install drivesizer anew")
 
 
 def _machine_code() -> Iterator[Finding]:
@@ -132,11 +132,11 @@ def _report() -> Iterator[Finding]:
 def _terminal() -> Iterator[Finding]:
     from drivesizer.output.terminal.tables import console
 
-    shown = console()
-    colour = "colour" if shown.color_system else "no colour"
+    terminal = console()
+    colour = "colour" if terminal.color_system else "no colour"
     because = " (NO_COLOR)" if os.environ.get("NO_COLOR") else ""
-    yield Finding("terminal", f"{shown.width} columns, {colour}{because}, {shown.encoding}", True)
-    works = shown.encoding.lower().replace("-", "") == "utf8"
+    yield Finding("terminal", f"{terminal.width} columns, {colour}{because}, {terminal.encoding}", True)
+    works = terminal.encoding.lower().replace("-", "") == "utf8"
     if not works:
         yield Finding("letters", "Greek letters and frames cannot be shown", False, "set PYTHONUTF8=1")
 
@@ -146,6 +146,6 @@ def print_findings(findings: Sequence[Finding]) -> None:
     from drivesizer.commands.common import show_blocks
     from drivesizer.output.document import records as doc
 
-    rows = [(one.subject, one.found, "ok" if one.works else (doc.Strong("WRONG"),)) for one in findings]
-    remedies = [doc.Words(f"{one.subject}: {one.remedy}") for one in findings if not one.works]
+    rows = [(finding.subject, finding.found, "ok" if finding.works else (doc.Strong("WRONG"),)) for finding in findings]
+    remedies = [doc.Words(f"{finding.subject}: {finding.remedy}") for finding in findings if not finding.works]
     show_blocks([doc.table("installation", "", rows), *(remedies or [doc.Words("Everything works.")])])

@@ -68,9 +68,9 @@ def _line_of(error: Any, program: Any, words: list[str]) -> str:
 
 def _found_and_expected(error: Any, command: Any) -> str:
     """Fault of a command line, by the type of error and, of some, by its words."""
-    arguments = [one for one in command.params if one.param_type_name == "argument"]
-    flags = [name for one in command.params if getattr(one, "is_flag", False)
-             for name in (*one.opts, *one.secondary_opts)]  # fmt: skip
+    arguments = [parameter for parameter in command.params if parameter.param_type_name == "argument"]
+    flags = [name for parameter in command.params if getattr(parameter, "is_flag", False)
+             for name in (*parameter.opts, *parameter.secondary_opts)]  # fmt: skip
     message = error.format_message()
     match type(error).__name__:
         case "MissingParameter" if error.param.param_type_name == "argument":
@@ -79,7 +79,7 @@ def _found_and_expected(error: Any, command: Any) -> str:
             name = max(error.param.opts, key=len)
             return f"{name} is missing; expected {name} with its value"
         case "NoSuchOption":
-            options = (name for one in command.params for name in (*one.opts, *one.secondary_opts))
+            options = (name for parameter in command.params for name in (*parameter.opts, *parameter.secondary_opts))
             known = [name for name in options if name.startswith("--")]
             expected = f"expected {', '.join(known) or 'none'}"
             return f"{quoted(error.option_name)} is no option; {expected}{nearest(error.option_name, known)}"
@@ -87,12 +87,12 @@ def _found_and_expected(error: Any, command: Any) -> str:
             return f"{error.option_name} takes no value; expected {error.option_name} alone"
         case "BadOptionUsage":
             return f"{error.option_name} has no value; expected one behind it"
-    if hasattr(command, "commands") and (found := re.search(r"No such command '(.*?)'", message)):
+    if hasattr(command, "commands") and (match := re.search(r"No such command '(.*?)'", message)):
         known = list(command.commands)
-        return f"{quoted(found[1])} is no command; expected {', '.join(known)}{nearest(found[1], known)}"
-    if found := re.search(r"unexpected extra arguments?(?:\(s\))? \((.*)\)", message):
+        return f"{quoted(match[1])} is no command; expected {', '.join(known)}{nearest(match[1], known)}"
+    if match := re.search(r"unexpected extra arguments?(?:\(s\))? \((.*)\)", message):
         expected = " and ".join(map(_argument, arguments)) or "no argument"
-        return f"{quoted(found[1])} is more than it takes; expected {expected}"
+        return f"{quoted(match[1])} is more than it takes; expected {expected}"
     return f"{message.rstrip('.')}; expected what its --help says"
 
 
@@ -145,8 +145,8 @@ def _reported(error: BaseException) -> tuple[str, int]:
     if isinstance(error, OSError):
         what = f"{error.filename}: cannot be read or written" if error.filename else "the output cannot be written"
         return f"{what} ({reason_of(error)})", 2
-    found = f"{type(error).__name__}: {error}"[:300]
-    return f"a fault of drivesizer itself ({found}); please report it; {TRACEBACK}=1 shows where it arose", FAULT
+    fault = f"{type(error).__name__}: {error}"[:300]
+    return f"a fault of drivesizer itself ({fault}); please report it; {TRACEBACK}=1 shows where it arose", FAULT
 
 
 def _opened() -> None:

@@ -66,28 +66,28 @@ def predict(
         ready(figure)
     try:
         with common.working("predicting"):
-            found = predict_set(
+            prediction = predict_set(
                 motor, gearhead, controller, catalogs=catalogs or (), voltage=voltage, resistance=resistance,
                 ambient=ambient, load=load, hold=hold, inertia=inertia, minutes=minutes, warm=warm,
                 spec=spec,
             )  # fmt: skip
     except FieldError as error:
         raise InputError(f"--{error}") from None
-    drawn = {}
+    files = {}
     if figure is not None:
         form: Any = figure.suffix.lower().removeprefix(".")
-        drawn = {figure: bench_document(found).pictures["bench"].paper(form)}
+        files = {figure: bench_document(prediction).pictures["bench"].paper(form)}
     try:  # none of the figure where the answer cannot be given, but to a reader who has enough
         if json:
-            common.print_json(found)
+            common.print_json(prediction)
         else:
-            common.present(bench_document(found), report)
-            common.print_notes(found.warnings)
+            common.present(bench_document(prediction), report)
+            common.print_notes(prediction.warnings)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # rich makes the second of the first
-        write_files(drawn)
+        write_files(files)
         raise
-    common.print_written(write_files(drawn))
+    common.print_written(write_files(files))
 
 
 _ONE = "a log is that of one drive"
@@ -140,10 +140,14 @@ def identify(
     if inertia is not None:
         of = of._replace(inertia=_inertia(inertia))
     with common.working("fitting the drive's model to the log; first, once: translating it to machine code"):
-        found = identified(log, of, scales=_factors(scale), named=_heads(column))
-    files = {path: part_file(found, hit, path.name) for path in paths if path.suffix.lower() in _SPECS}
-    files |= {path: _drawn(path, found.time, found.traces) for path in paths if path.suffix.lower() in _DRAWN}
-    _answer(found, files, report, json=json)
+        identification = identified(log, of, scales=_factors(scale), named=_heads(column))
+    files = {path: part_file(identification, hit, path.name) for path in paths if path.suffix.lower() in _SPECS}
+    files |= {
+        path: _drawn(path, identification.time, identification.traces)
+        for path in paths
+        if path.suffix.lower() in _DRAWN
+    }
+    _answer(identification, files, report, json=json)
 
 
 def _drawn(path: Path, time: Any, traces: Any) -> bytes:
@@ -171,28 +175,28 @@ def _inertia(text: str) -> float:
 def _heads(words: list[str] | None) -> dict[str, str]:
     from drivesizer.identification.log import QUANTITIES
 
-    found = {}
+    heads = {}
     for word in words or ():
         name, _, head = word.partition("=")
         if name.strip() not in QUANTITIES.split() or not head:
             raise InputError(f"--column: {quoted(word)}; expected one of {', '.join(QUANTITIES.split())} and its head")
-        found[name.strip()] = head.strip()
-    return found
+        heads[name.strip()] = head.strip()
+    return heads
 
 
 def _factors(words: list[str] | None) -> Mapping[str, float]:
-    found = {}
+    factors = {}
     for word in words or ():
         name, _, factor = word.partition("=")
         try:
-            found[name.strip()] = float(factor)
+            factors[name.strip()] = float(factor)
         except ValueError:
             raise InputError(f"--scale: {quoted(word)}; expected a column and its factor, e.g. speed=6.2832") from None
-    return found
+    return factors
 
 
 def _reference(
-    motor: str | None, spec: Path | None, chosen: list[str] | None, axis: str | None, catalogs: list[str] | None,
+    motor: str | None, spec: Path | None, words: list[str] | None, axis: str | None, catalogs: list[str] | None,
     ratio: float,
 ) -> tuple[Hit | None, Reference]:  # fmt: skip
     """The drive as it is known: not at all, by a motor, or by a spec and its drive."""
@@ -207,7 +211,7 @@ def _reference(
         return hits[0], of_motor(hits[0], ratio)
     if spec is None:
         return None, Reference(ratio=ratio)
-    return None, of_drive(*common.one_drive(spec, chosen, catalogs, axis, _ONE))
+    return None, of_drive(*common.one_drive(spec, words, catalogs, axis, _ONE))
 
 
 # -- ``drivesizer compare``.
@@ -246,17 +250,17 @@ def compare(
     own, drive = common.one_drive(spec, chosen, catalogs, axis, _ONE)
     with common.simulating("simulating what was promised"):
         proof = validate(own, drive, profile=profile, load_case=hardest_case(own, drive))
-    found = compared(logged, proof)
+    comparison = compared(logged, proof)
     files = {}
     for path in paths:
         if path.suffix.lower() in _DRAWN:
-            files[path] = _drawn(path, found.time, found.traces)
-        elif not found.explanations:
+            files[path] = _drawn(path, comparison.time, comparison.traces)
+        elif not comparison.explanations:
             raise InputError(f"{path}: no figure of the load explains a difference: the spec stays as it is")
         else:
-            files[path] = corrected(own, found.explanations[0])
-    _answer(found, files, report, json=json)
-    raise typer.Exit(int(any(one.status == "fail" for one in found.checks)))
+            files[path] = corrected(own, comparison.explanations[0])
+    _answer(comparison, files, report, json=json)
+    raise typer.Exit(int(any(check.status == "fail" for check in comparison.checks)))
 
 
 def _targets(output: list[Path] | None, data: str) -> list[Path]:
@@ -272,15 +276,15 @@ def _targets(output: list[Path] | None, data: str) -> list[Path]:
 
 
 def _answer(
-    found: Identification | Comparison, files: dict[Path, bytes], report: list[Path] | None, *, json: bool
+    result: Identification | Comparison, files: dict[Path, bytes], report: list[Path] | None, *, json: bool
 ) -> None:
     """Print what was found, and write the files."""
     from drivesizer.files.writing import write_files
 
     if json:
-        common.print_json(found)
+        common.print_json(result)
     else:
         from drivesizer.output.document.bench import bench_document
 
-        common.present(bench_document(found), report)
+        common.present(bench_document(result), report)
     common.print_written(write_files(files))

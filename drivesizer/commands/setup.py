@@ -89,13 +89,13 @@ def questionnaire() -> str:
 def _kind() -> str:
     """The kind of load that is chosen out of a list, by number or by name."""
     for number, kind in enumerate(KINDS, 1):
-        said = starter(kind).splitlines()[0].removeprefix("# ").rstrip(".")
-        typer.echo(textwrap.fill(f"{number:>3}  {kind:<17} {said}", 80, subsequent_indent=" " * 23))
+        title = starter(kind).splitlines()[0].removeprefix("# ").rstrip(".")
+        typer.echo(textwrap.fill(f"{number:>3}  {kind:<17} {title}", 80, subsequent_indent=" " * 23))
     while True:
         answer = str(typer.prompt("What moves", default="wheeled_vehicle")).strip()
-        chosen = KINDS[int(answer) - 1] if answer.isdecimal() and 1 <= int(answer) <= len(KINDS) else answer
-        if chosen in KINDS:
-            return chosen
+        name = KINDS[int(answer) - 1] if answer.isdecimal() and 1 <= int(answer) <= len(KINDS) else answer
+        if name in KINDS:
+            return name
         typer.echo(f"{quoted(answer)} is not in the list{nearest(answer, KINDS)}")
 
 
@@ -109,13 +109,13 @@ def _prompt(lines: list[str], number: int, figure: re.Match[str], *, american: b
     hint = f"  ({comment.removeprefix('# ').split(';')[0]})" if comment else ""
     while True:
         answer = str(typer.prompt(f"{name.replace('_', ' ')}{hint}", default=now)).strip()
-        tried = [*lines[:number], f"{start}{answer:<24} {comment or ''}".rstrip(), *lines[number + 1 :]]
+        draft = [*lines[:number], f"{start}{answer:<24} {comment or ''}".rstrip(), *lines[number + 1 :]]
         try:
-            read_spec(YamlSource("\n".join(tried), "robot.yaml"))
+            read_spec(YamlSource("\n".join(draft), "robot.yaml"))
         except InputError as error:
             typer.echo(str(error).partition(": ")[2])
             continue
-        lines[:] = tried
+        lines[:] = draft
         return
 
 
@@ -171,11 +171,11 @@ def _steps(declared: Any, robot: Any) -> tuple[Any, str]:
     if not robot.paper_applies:
         raise InputError(f"{robot.where(())}: {PAPER_TREATS}; expected such a spec for equations 1 to 20")
     spec, drive = _with_best_drive(robot)
-    found = tuple(r for r in drive_requirements(spec, drive).values() if r.declared is declared)
-    if not found:
+    steps = tuple(r for r in drive_requirements(spec, drive).values() if r.declared is declared)
+    if not steps:
         why = "the spec gives its result, or does not need it" if drive else "it needs a drive, and there is none"
         raise InputError(f"{robot.where(())}: {declared.label} is no step of the derivation: {why}")
-    return found, f"{spec.name}, {drive.label}" if drive else spec.name
+    return steps, f"{spec.name}, {drive.label}" if drive else spec.name
 
 
 def _robot_equation(declared: Any, robot: Any) -> Any:
@@ -194,8 +194,8 @@ def _with_best_drive(robot: Any) -> tuple[Any, Any]:
     from drivesizer.sizing import size as sized
 
     with common.working("sizing the drive"):
-        found = sized(robot, top=1, brief=True)
-    return found.spec, found.shown
+        sizing = sized(robot, top=1, brief=True)
+    return sizing.spec, sizing.shown
 
 
 def init(
@@ -217,9 +217,9 @@ def init(
     """Write a commented robot.yaml to start from: by kind of load, or at a terminal by a few questions."""
     if joint is not None and urdf is None:
         raise InputError("--joint: it names a joint of --from-urdf; expected both")
-    chosen = [name for name, given in (("--kind", kind), ("--example", example), ("--from-urdf", urdf)) if given]
-    if len(chosen) > 1:
-        raise InputError(f"{' and '.join(chosen)}: each gives the whole spec; expected one of them")
+    options = [name for name, value in (("--kind", kind), ("--example", example), ("--from-urdf", urdf)) if value]
+    if len(options) > 1:
+        raise InputError(f"{' and '.join(options)}: each gives the whole spec; expected one of them")
     if drawing is not None:
         _draw(kind or "wheeled_vehicle", drawing)
     if urdf is not None:
@@ -303,24 +303,24 @@ def schema(
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.study.plan import StudyFile
 
-    made: dict[str, Callable[[], Any]] = {
+    schemas: dict[str, Callable[[], Any]] = {
         "spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema,
         "study": StudyFile.model_json_schema, "prediction": partial(record_schema, Prediction), "export": export_schema,
         "machine": machine_schema, "identification": partial(record_schema, Identification),
         "comparison": partial(record_schema, Comparison),
     }  # fmt: skip
-    if of not in made:
-        raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
-    typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))
+    if of not in schemas:
+        raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(schemas)}")
+    typer.echo(json.dumps(schemas[of](), indent=2, ensure_ascii=False))
 
 
 def doctor(json: Json = False) -> None:
     """Check this installation: libraries, cache, catalogues, fonts, terminal."""
     from drivesizer.commands.doctor import examined, print_findings
 
-    found = examined()
+    findings = examined()
     if json:
-        common.print_json({"findings": found})
+        common.print_json({"findings": findings})
     else:
-        print_findings(found)
-    raise typer.Exit(0 if all(f.works for f in found) else 1)
+        print_findings(findings)
+    raise typer.Exit(0 if all(f.works for f in findings) else 1)

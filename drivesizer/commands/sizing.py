@@ -71,9 +71,9 @@ def size(
     robot = common.load(spec, catalogs, axis, fields)
     reports.accept([pdf] if pdf else [], tables=[csv] if csv else [])
     result = common.sized(robot, top, objective, (confidence, samples, seed, processes, loop_samples), pareto)
-    one, named = result.alone, "" if spec == DEFAULT else str(spec)
+    sizing, named = result.alone, "" if spec == DEFAULT else str(spec)
     if csv:
-        reports.write_sets(one or result, csv)
+        reports.write_sets(sizing or result, csv)
     if pdf:
         simulated = common.proven(result)
         with common.working("writing the report"):
@@ -81,18 +81,18 @@ def size(
     if json:
         common.print_json(result)
         raise typer.Exit(int(result.status == "fail"))
-    chosen = {"checks": checks, "derivation": derivation, "paper": beside, "ranking": top != TOP}
-    details = terminal.DETAILS if verbose else frozenset(name for name, wanted in chosen.items() if wanted)
-    if one:
-        terminal.sizing(one, details=details, spec=named, quiet=quiet)
-        common.print_notes(() if quiet else one.warnings)
+    options = {"checks": checks, "derivation": derivation, "paper": beside, "ranking": top != TOP}
+    details = terminal.DETAILS if verbose else frozenset(name for name, on in options.items() if on)
+    if sizing:
+        terminal.sizing(sizing, details=details, spec=named, quiet=quiet)
+        common.print_notes(() if quiet else sizing.warnings)
     else:
         each_alone = verbose or derivation or beside or pareto
         terminal.machine_sizing(result, spec=named, checks=checks or verbose, quiet=quiet, chapters=not each_alone)
-        for each in result.axes if each_alone else ():
-            typer.echo(f"\n{each.name}\n")
-            terminal.sizing(each.result, details=details, quiet=True)
-        common.print_notes_of_axes({} if quiet else {one.name: one.result.warnings for one in result.axes})
+        for axis_sizing in result.axes if each_alone else ():
+            typer.echo(f"\n{axis_sizing.name}\n")
+            terminal.sizing(axis_sizing.result, details=details, quiet=True)
+        common.print_notes_of_axes({} if quiet else {sizing.name: sizing.result.warnings for sizing in result.axes})
     raise typer.Exit(int(result.status == "fail"))
 
 
@@ -181,25 +181,27 @@ def explain(
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import explained
 
-    robot, found = common.load(spec, catalogs, axis, fields), {}
+    robot, explanations = common.load(spec, catalogs, axis, fields), {}
     axes = {"": robot.axes[0].spec}
     if robot.is_several:  # each has the best drives of the others on it
-        axes = {one.name: one.result.problem.machine for one in common.sized(robot, 1).axes}
-    for name, one in axes.items():
+        axes = {axis_sizing.name: axis_sizing.result.problem.machine for axis_sizing in common.sized(robot, 1).axes}
+    for name, axis_spec in axes.items():
         with common.working(f"examining the drive on {name}" if name else "examining the drive"):
             try:
-                sampling, catalog = sampling_of(one, samples=samples, seed=seed, loop=loop_samples), load_parts(one)
-                found[name] = explained(one, motor, gearhead, catalog=catalog, sampling=sampling)
+                sampling = sampling_of(axis_spec, samples=samples, seed=seed, loop=loop_samples)
+                catalog = load_parts(axis_spec)
+                explanations[name] = explained(axis_spec, motor, gearhead, catalog=catalog, sampling=sampling)
             except InputError as error:
                 raise (InputError(f"{name}: {error}") if name else error) from None
     if json:
-        common.print_json({"axes": [{"name": name or robot.name, **one._asdict()} for name, one in found.items()]})
-    elif alone := found.get(""):
+        axis_records = [{"name": name or robot.name, **record._asdict()} for name, record in explanations.items()]
+        common.print_json({"axes": axis_records})
+    elif alone := explanations.get(""):
         terminal.explained(alone, catalog)
         common.print_notes(alone.warnings)
     else:
-        terminal.machine_explained(robot.name, found)
-    raise typer.Exit(int(all(one.status == "fail" for pair in found.values() for one in pair.sets)))
+        terminal.machine_explained(robot.name, explanations)
+    raise typer.Exit(int(all(drive.status == "fail" for pair in explanations.values() for drive in pair.sets)))
 
 
 def export(
@@ -231,12 +233,12 @@ def export(
         raise InputError("--wheel: it is of a single axis; expected --axis beside it")
     if wheel is not None:
         exports.check_wheel(robot.axes[0].spec, wheel)  # before time is spent
-    ((_, one, found), *_), result = common.with_drives(robot, drives)
+    ((_, axis_spec, drive), *_), result = common.with_drives(robot, drives)
     with common.working("designing the controller"):
         if result and not result.alone:
             of = exports.machine_export(result, one_rate=form == "ros2_control", bodies=bodies)
         else:
-            of = exports.drive_export(one, found, wheel=wheel, bodies=bodies)
+            of = exports.drive_export(axis_spec, drive, wheel=wheel, bodies=bodies)
         written = exports.write(of, form, output)
     common.print_notes((*of.notes, *of.assumptions))
     for path in written:

@@ -44,25 +44,25 @@ def study(
         from drivesizer.study.run import carry_out
 
         plan = read_study(path)
-        kept = f"{target}: stopped; results so far are kept, and the same command resumes"
-        with common.stoppable(kept), common.progress("variants", 0.0) as advance:
-            found = carry_out(
+        message = f"{target}: stopped; results so far are kept, and the same command resumes"
+        with common.stoppable(message), common.progress("variants", 0.0) as advance:
+            outcome = carry_out(
                 plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
                 chunks=chunks, progress=advance,
             )  # fmt: skip
-    status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
-    variants, drives = number_of(found.variants.total(), "variant"), number_of(found.examined, "drive")
+    status = ", ".join(f"{outcome.variants[name]} {name}" for name in _ORDER if outcome.variants[name])
+    variants, drives = number_of(outcome.variants.total(), "variant"), number_of(outcome.examined, "drive")
     typer.echo(f"{variants}: {status}; {drives} examined")
-    for written in found.written:
+    for written in outcome.written:
         typer.echo(written)
     if report:
         from drivesizer.output.report import write_document
         from drivesizer.study.document import document_of
 
-        for one in write_document(document_of(found), report):
-            typer.echo(one)
-    common.print_notes(tuple(found.notes))
-    raise typer.Exit(0 if any(found.variants[name] for name in ("pass", "open", "unknown")) else 1)
+        for file in write_document(document_of(outcome), report):
+            typer.echo(file)
+    common.print_notes(tuple(outcome.notes))
+    raise typer.Exit(0 if any(outcome.variants[name] for name in ("pass", "open", "unknown")) else 1)
 
 
 def design(
@@ -103,24 +103,26 @@ def design(
         from drivesizer.output.document import records as doc
 
         source = common.with_fields(read(spec), fields or [])
-        fronts = [one.strip() for one in pareto.split(",")] if pareto else None
+        fronts = [name.strip() for name in pareto.split(",")] if pareto else None
         task = read_task(source, free=_spaces(free or []), minimise=minimise, subject_to=subject_to, pareto=fronts)
-        kept = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
-        with common.stoppable(f"stopped; {kept}"), common.progress("machines") as advance:
-            found = answer(task, processes=processes, folder=folder, fresh=fresh, scheduler=scheduler, progress=advance)
-    sections = [doc.section("design", "The best machine", found.blocks())]
+        message = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
+        with common.stoppable(f"stopped; {message}"), common.progress("machines") as advance:
+            result = answer(
+                task, processes=processes, folder=folder, fresh=fresh, scheduler=scheduler, progress=advance
+            )
+    sections = [doc.section("design", "The best machine", result.blocks())]
     common.present(doc.Document(name=source.name, subject="design", headed=False, sections=sections), report)
-    if output and found.best:
-        write_files({output: found.filled(rounded=rounded).encode()})
+    if output and result.best:
+        write_files({output: result.filled(rounded=rounded).encode()})
         typer.echo(f"\n{output}")
-    raise typer.Exit(0 if found.best else 1)
+    raise typer.Exit(0 if result.best else 1)
 
 
 def _spaces(words: list[str]) -> dict[str, Any]:
     """Free figures of the command line: a range, with steps or without, or a list."""
     from drivesizer.files.yaml_source import YamlSource
 
-    found: dict[str, Any] = {}
+    spaces: dict[str, Any] = {}
     for word in words:
         name, sign, value = word.partition("=")
         if not sign or not value.strip():
@@ -128,5 +130,5 @@ def _spaces(words: list[str]) -> dict[str, Any]:
             raise InputError(f"--free: {quoted(word)} is no field with its range; {expected}")
         text, _, step = value.partition(" step ")
         free = YamlSource(text.strip(), f"--free {name.strip()}").data
-        found[name.strip()] = {"free": free} | ({"step": step.strip()} if step else {})
-    return found
+        spaces[name.strip()] = {"free": free} | ({"step": step.strip()} if step else {})
+    return spaces

@@ -50,28 +50,34 @@ def commission(
     from drivesizer.output.export import device_file
     from drivesizer.simulate import commissioned, hardest_case
 
-    own, found = common.one_drive(spec, chosen, catalogs, axis, "a file is that of one drive")
-    one, board = device_for(found, device, firmware), settings_of(found, device, firmware, settings)
+    own, drive = common.one_drive(spec, chosen, catalogs, axis, "a file is that of one drive")
+    controller, board = device_for(drive, device, firmware), settings_of(drive, device, firmware, settings)
     if axis:  # where the controller's form has the name of a joint
-        named = (row._replace(name=row.name.replace("JOINT", axis)) for row in one.parameters)
-        one = one._replace(parameters=tuple(named))
+        named = (row._replace(name=row.name.replace("JOINT", axis)) for row in controller.parameters)
+        controller = controller._replace(parameters=tuple(named))
     if output:
-        device_file.accept(one, output)
+        device_file.accept(controller, output)
     with common.simulating("simulating the loop"):
-        case = hardest_case(own, found)
-        made = commissioned(own, found, one, settings=board, unconfirmed=unconfirmed, load_case=case)
-    rows, proof = made.rows, made.rounded
+        case = hardest_case(own, drive)
+        result = commissioned(own, drive, controller, settings=board, unconfirmed=unconfirmed, load_case=case)
+    rows, proof = result.rows, result.rounded
     if output:
-        common.print_written(write_files(device_file.files(one, rows, _remarks(one, made, board), output)))
+        common.print_written(
+            write_files(device_file.files(controller, rows, _remarks(controller, result, board), output))
+        )
     shared = rows[0].parameter.name.rpartition(".")[0] + "."
     if len(shared) < _LONG or not all(row.parameter.name.startswith(shared) for row in rows):
         shared = ""
     table = doc.table("device", "", [
         (row.parameter.name.removeprefix(shared), row.text, row.unit, row.in_si, row.parameter.meaning) for row in rows
     ])  # fmt: skip
-    head = [f"{one.title}: {found.label}", *([f"below {shared.removesuffix('.')}:"] if shared else [])]
-    said = [*loops(made), *_warned(one, made, board), *(f"{word}: {one.words[word]}" for word in ("first", "load"))]
-    common.show_blocks([*map(doc.Words, head), table, *map(doc.Words, said)])
+    head = [f"{controller.title}: {drive.label}", *([f"below {shared.removesuffix('.')}:"] if shared else [])]
+    notes = [
+        *loops(result),
+        *_warned(controller, result, board),
+        *(f"{word}: {controller.words[word]}" for word in ("first", "load")),
+    ]
+    common.show_blocks([*map(doc.Words, head), table, *map(doc.Words, notes)])
     raise typer.Exit(int(proof.status == "fail"))
 
 
@@ -85,18 +91,18 @@ def device_for(drive: DriveSet, name: str | None, firmware: str | None) -> Devic
 
 def settings_of(drive: DriveSet, name: str | None, firmware: str | None, words: list[str] | None) -> dict[str, float]:
     """Figures of the user's board, of those that the controller has."""
-    device, found = device_for(drive, name, firmware), {}
+    device, figures = device_for(drive, name, firmware), {}
     for word in words or ():
         figure, _, text = word.partition("=")
         try:
-            found[figure] = float(text)
+            figures[figure] = float(text)
         except ValueError:
             text = ""
-        if figure not in device.settings or not text or not 0.0 < found[figure] < 1e9:
+        if figure not in device.settings or not text or not 0.0 < figures[figure] < 1e9:
             known = ", ".join(f"{name} ({what})" for name, (_, what) in device.settings.items()) or "none"
             raise InputError(f"--setting: {quoted(word)} is no setting of {device.title}; expected NAME=VALUE in SI, "
                              f"of {known}")  # fmt: skip
-    return found
+    return figures
 
 
 def with_device(
@@ -106,22 +112,22 @@ def with_device(
     """The drive of every axis behind a controller of the table, as ``validate --device`` simulates it."""
     from drivesizer.simulate import commissioned, hardest_case
 
-    found = {}
+    results = {}
     for name, spec, drive in axes:
         with common.simulating(f"simulating {name or 'the drive'} behind its controller"):
-            made = commissioned(
+            result = commissioned(
                 spec, drive, device_for(drive, device, firmware), unconfirmed=True, profile=profile,
                 load_case=case or hardest_case(spec, drive),
             )  # fmt: skip
-        found[name] = made
-    return found
+        results[name] = result
+    return results
 
 
-def loops(made: Commissioned) -> list[str]:
+def loops(result: Commissioned) -> list[str]:
     """The loops as they are written: verdict over the motion, phase margins and what rounding took of them."""
-    proof = made.rounded
+    proof = result.rounded
     lines = [f"with these figures: {proof.status} over {proof.over}" + (f" ({proof.failed})" if proof.failed else "")]
-    for exact, written in zip(made.exact.loops, proof.loops, strict=True):
+    for exact, written in zip(result.exact.loops, proof.loops, strict=True):
         lost = max(0.0, degrees(exact.phase_margin - written.phase_margin))
         name = written.name if getattr(proof.gains, "kp", 1.0) else "position"  # which acts on the voltage by itself
         lines.append(f"{name} loop: phase margin {degrees(written.phase_margin):.1f}°, {lost:.2f}° lost by "
@@ -129,24 +135,24 @@ def loops(made: Commissioned) -> list[str]:
     return lines
 
 
-def _warned(device: Device, made: Commissioned, board: dict[str, float]) -> list[str]:
+def _warned(device: Device, result: Commissioned, board: dict[str, float]) -> list[str]:
     """Notes on what is not written, what a setting decides, and what is to be known of the controller."""
-    lines = [f"not written: {line}" for line in made.left_out]
+    lines = [f"not written: {line}" for line in result.left_out]
     for name, (usual, what) in device.settings.items():
         value = board.get(name, usual)
         lines.append(f"setting: {name} = {'unknown' if isnan(value) else f'{value:g}'} {what} (--setting)")
     return lines + ([f"note: {device.words['note']}"] if device.words["note"] else [])
 
 
-def _remarks(device: Device, made: Commissioned, board: dict[str, float]) -> list[str]:
+def _remarks(device: Device, result: Commissioned, board: dict[str, float]) -> list[str]:
     """Lines in the file beside its parameters: the table read back."""
     return [
-        f"{device.title}, by drivesizer: {made.exact.drive_set.label}", f"source of units: {device.words['source']}",
+        f"{device.title}, by drivesizer: {result.exact.drive_set.label}", f"source of units: {device.words['source']}",
         f"first: {device.words['first']}", f"load: {device.words['load']}", "",
         *(f"{f'{row.parameter.name} = {row.text} {row.unit}'.rstrip()}: {row.parameter.meaning}; "
           + f"{row.in_si}; " * bool(row.in_si) + f"exactly {row.exact:.8g}; {row.parameter.confidence}"
-          for row in made.rows), "",
-        *loops(made), *_warned(device, made, board),
+          for row in result.rows), "",
+        *loops(result), *_warned(device, result, board),
     ]  # fmt: skip
 
 
@@ -184,8 +190,8 @@ def validate(
         raise typer.Exit(_all_of(robot, case, profile, top, json))
     axes = common.with_drives(robot, drives)[0]
     if device or firmware:
-        made = with_device(axes, device, firmware, profile, case)
-        proofs = {name: one.rounded for name, one in made.items()}
+        results = with_device(axes, device, firmware, profile, case)
+        proofs = {name: result.rounded for name, result in results.items()}
     else:
         proofs = _proofs(axes, case, profile)
     for name, proof in proofs.items():
@@ -195,8 +201,8 @@ def validate(
         if csv:
             reports.write_series(proof, csv.with_name(f"{csv.stem}_{name}{csv.suffix}") if name else csv)
     if json:
-        each = [{"name": name or robot.name, "validations": [proof]} for name, proof in proofs.items()]
-        common.print_json({"axes": each})
+        records = [{"name": name or robot.name, "validations": [proof]} for name, proof in proofs.items()]
+        common.print_json({"axes": records})
     elif alone := proofs.get(""):
         sizing.validation(alone, checks=checks)
         common.print_notes(alone.warnings)
@@ -212,13 +218,13 @@ def _proofs(
 ) -> dict[str, Validation]:
     """The drive of every axis in closed loop; of several without those that cannot be simulated, with a note."""
     proofs = {}
-    for name, spec, found in axes:
+    for name, spec, drive in axes:
         try:
-            proofs[name] = common.in_closed_loop(name, spec, found, profile=profile, case=case)
+            proofs[name] = common.in_closed_loop(name, spec, drive, profile=profile, case=case)
         except NoLoopError as error:
             if not name:
                 raise
-            common.print_notes((f"{name}: not simulated in {'open' if found.steps else 'closed'} loop: {error}",))
+            common.print_notes((f"{name}: not simulated in {'open' if drive.steps else 'closed'} loop: {error}",))
     return proofs
 
 
@@ -232,9 +238,9 @@ def _known_case(machine: MachineSpec, name: str | None) -> None:
     """Refuse a name that no load case has; of several axes those that lack it are simulated in their hardest."""
     if name is None:
         return
-    found = dict.fromkeys(case for one in machine.axes if not one.is_joint for case in _cases(one.spec))
-    if name not in found and not machine.robot:
-        raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
+    cases = dict.fromkeys(case for axis in machine.axes if not axis.is_joint for case in _cases(axis.spec))
+    if name not in cases and not machine.robot:
+        raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, cases)) or 'none'}")
 
 
 def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: int, json: bool) -> int:
@@ -244,13 +250,13 @@ def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: in
 
     result = common.with_drives(machine, None, top)[1]
     assert result is not None  # nothing is named
-    each, failing = [], False
+    records, failing = [], False
     for axis in result.axes:
         with common.simulating("simulating the drives in closed loop"):
             own = case if case in _cases(axis.spec) else None
             proofs, notes = validate_all(axis.result, profile=profile, load_case=own)
         failing |= all(proof.status == "fail" for proof in proofs)
-        each.append({"name": axis.name, "validations": proofs})
+        records.append({"name": axis.name, "validations": proofs})
         name = "" if result.alone else axis.name
         if not json:
             if name:
@@ -258,7 +264,7 @@ def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: in
             terminal.validations(proofs, axis.result.objective)
         common.print_notes(notes, name)
     if json:
-        common.print_json({"axes": each})
+        common.print_json({"axes": records})
     return int(failing)
 
 
@@ -296,33 +302,33 @@ def drive(
     robot = common.load_axis(spec, catalogs, None, fields)
     accept([], tables=[csv] if csv else [])
     on_path = with_trajectory(robot, trajectory, failed or ())
-    found = driving(on_path)
-    one = _drive_on_path(robot, on_path, drives)
+    demands = driving(on_path)
+    drive = _drive_on_path(robot, on_path, drives)
     if csv:
         from drivesizer.output.report import write_driving
 
-        write_driving(found, csv)
-    runs = _followed(found, one, drawings) if follow else {}
-    speeds = permitted_speeds(on_path, one) if one else None
+        write_driving(demands, csv)
+    runs = _followed(demands, drive, drawings) if follow else {}
+    speeds = permitted_speeds(on_path, drive) if drive else None
     if json:
         from drivesizer.output.json.documents import driving as document
 
-        common.print_json(document(found, one, runs, speeds))
+        common.print_json(document(demands, drive, runs, speeds))
     else:
         from drivesizer.output.terminal import sizing as terminal
 
-        terminal.driven(found, one, runs, speeds)
-        if not one:
+        terminal.driven(demands, drive, runs, speeds)
+        if not drive:
             common.print_notes(("no drive meets all limits for the spec's own motion; see `drivesizer size`",))
-    raise typer.Exit(0 if one and one.status != "fail" else 1)
+    raise typer.Exit(0 if drive and drive.status != "fail" else 1)
 
 
-def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
+def _followed(demands: Any, drive: Any, drawings: Path | None) -> Any:
     """Simulate the runs along the path, and draw them where a folder is given."""
     from drivesizer.control.path_following import follow_runs, runs_of_figure
 
     with common.working("simulating the platform on its path"):
-        runs = follow_runs(found, one)
+        runs = follow_runs(demands, drive)
     if drawings:
         from drivesizer.output.report import write_path
 
@@ -330,14 +336,14 @@ def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     return runs
 
 
-def _drive_on_path(robot: Any, on_path: Any, chosen: list[str] | None) -> Any:
+def _drive_on_path(robot: Any, on_path: Any, words: list[str] | None) -> Any:
     """The drive with its checks on the path: named by its parts, or the best for the spec's own motion; or None."""
     from drivesizer.catalog.view import OWN
     from drivesizer.sizing import explain
     from drivesizer.spec.machine import machine_of
 
-    if chosen:
-        return common.with_drives(machine_of(on_path), chosen)[0][0][2]
+    if words:
+        return common.with_drives(machine_of(on_path), words)[0][0][2]
     sets = common.sized(machine_of(robot), 1).axes[0].result.sets
     if not sets or (robot.motion == on_path.motion and robot.platform == on_path.platform):
         return sets[0] if sets else None
@@ -349,5 +355,5 @@ def _drive_on_path(robot: Any, on_path: Any, chosen: list[str] | None) -> Any:
         if part is not None and part.family != OWN and not getattr(part, "inside", "")
     }
     spec = on_path.alone(select=on_path.select.model_copy(update=pinned))
-    found = explain(spec, (best.actuator or best.motor).part, best.gearhead.part)
-    return next(one for one in found if one.belt_ratio == best.belt_ratio)
+    drives = explain(spec, (best.actuator or best.motor).part, best.gearhead.part)
+    return next(drive for drive in drives if drive.belt_ratio == best.belt_ratio)

@@ -34,22 +34,24 @@ def document_of(outcome: Outcome) -> doc.Document:
     varied = {axis.head for axis in plan.job.axes} | {"spec", "catalogs"}
     sections = [doc.section("outcome", "Outcome", _outcome(outcome))]
     for file, columns, rows in outcome.answers:
-        named = {one.head for one in columns} if columns is INFLUENCE else varied
+        named = {column.head for column in columns} if columns is INFLUENCE else varied
         table = _table(_TITLES[file], columns, rows, named, media="shown")
         sections.append(doc.section(file.removesuffix(".csv"), file.removesuffix(".csv").capitalize(), [table]))
-    maps = [doc.Picture(one.name, one.title, one.title) for one in MAPS if one.name in outcome.maps]
+    maps = [doc.Picture(chart.name, chart.title, chart.title) for chart in MAPS if chart.name in outcome.maps]
     if maps:
         sections.append(doc.section("maps", "Maps", maps))
-    every, caption = outcome.every_row, "Variants with their drives; mass and price of all of them"
-    few = f", the first {_MOST} of their rows; the workbook has all" * any(True for _ in islice(every(), _MOST, None))
+    every_row, caption = outcome.every_row, "Variants with their drives; mass and price of all of them"
+    few = f", the first {_MOST} of their rows; the workbook has all" * any(
+        True for _ in islice(every_row(), _MOST, None)
+    )
     variants = [
-        _table(f"{caption}{few}", outcome.columns, islice(every(), _MOST), varied, media="print"),
-        _table(caption, outcome.columns, every(), varied, media="book"),
+        _table(f"{caption}{few}", outcome.columns, islice(every_row(), _MOST), varied, media="print"),
+        _table(caption, outcome.columns, every_row(), varied, media="book"),
     ]
     sections.append(doc.section("variants", "Variants", variants))
     pictures = {name: Pictured(drawing) for name, drawing in outcome.maps.items()}
     return doc.Document(name=plan.source.name, subject="study", sections=sections, pictures=pictures,
-                        machine=", ".join(one.name for one in plan.job.axes))  # fmt: skip
+                        machine=", ".join(axis.name for axis in plan.job.axes))  # fmt: skip
 
 
 def _outcome(outcome: Outcome) -> Iterator[doc.Block]:
@@ -64,25 +66,27 @@ def _outcome(outcome: Outcome) -> Iterator[doc.Block]:
 def _table(
     caption: str, columns: Sequence[Column], rows: Iterable[Row], varied: set[str], media: doc.Media
 ) -> doc.Table:  # fmt: skip
-    shown = [doc.Column(one.head, _HEADS.get(one.head, one.head), _form(one), _WIDTHS.get(one.head, 0.0),
-                        media="all" if one.head in varied or one.head in _HEADS else "book")
-             for one in columns]  # fmt: skip
-    made = [doc.Row({one.head: _cell(one, value) for one, value in zip(columns, row, strict=True)}) for row in rows]
-    return doc.Table(caption, shown, made, dense=True, media=media)
+    heads = [doc.Column(column.head, _HEADS.get(column.head, column.head), _form(column), _WIDTHS.get(column.head, 0.0),
+                        media="all" if column.head in varied or column.head in _HEADS else "book")
+             for column in columns]  # fmt: skip
+    table_rows = [
+        doc.Row({column.head: _cell(column, value) for column, value in zip(columns, row, strict=True)}) for row in rows
+    ]
+    return doc.Table(caption, heads, table_rows, dense=True, media=media)
 
 
-def _form(one: Column) -> str:
-    return "status" if one.head == "status" else "text" if one.form == "text" else "number"
+def _form(column: Column) -> str:
+    return "status" if column.head == "status" else "text" if column.form == "text" else "number"
 
 
-def _cell(one: Column, value: Any) -> doc.Cell:
+def _cell(column: Column, value: Any) -> doc.Cell:
     """A value of the table; what is not known is empty."""
     if value is None:
         return ""
     if isinstance(value, str):
-        if one.head == "smallest_margin_check":
+        if column.head == "smallest_margin_check":
             return next((sentence_case(of[value].title) for of in CHECKS.values() if value in of), value)
-        return (doc.Status(value),) if one.head == "status" and value != "error" else value
-    if one.head == "smallest_margin":
+        return (doc.Status(value),) if column.head == "status" and value != "error" else value
+    if column.head == "smallest_margin":
         return doc.Quantity(value, "%", "margin")
-    return doc.Quantity(value, "1", "count" if one.form == "whole" else "plain", own=f"{value:g}")
+    return doc.Quantity(value, "1", "count" if column.form == "whole" else "plain", own=f"{value:g}")

@@ -34,7 +34,7 @@ def path_of(name: str, axes: Iterable[str] = ()) -> Path_ | None:
     longest_first, rest = sorted(axes, key=len, reverse=True), name
     path: list[str | int] = []
     while True:
-        axis = next((one for one in longest_first if path and f"{rest}.".startswith(f"{one}.")), "")
+        axis = next((axis_name for axis_name in longest_first if path and f"{rest}.".startswith(f"{axis_name}.")), "")
         step = axis or rest.partition(".")[0]
         match = _STEP.fullmatch(step)
         if not axis and match is None:
@@ -54,8 +54,8 @@ def unknown_field(spec: YamlSource, path: Path_) -> str:
     for n, step in enumerate(path):
         if isinstance(step, int):
             if not isinstance(data, list) or step >= len(data):
-                found = len(data) if isinstance(data, list) else 0
-                return f"entry {step + 1} does not exist, there are {found} in {spec.name}"
+                count = len(data) if isinstance(data, list) else 0
+                return f"entry {step + 1} does not exist, there are {count} in {spec.name}"
             data = data[step]
             continue
         known = _known_names(spec, path[:n])
@@ -113,10 +113,10 @@ def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
     owners = models_at(model, place[:-1], data) if place else []
     fields = [m.model_fields[str(place[-1])] for m in owners if place[-1] in m.model_fields]
     marks = ((*get_args(f.annotation)[1:],) if named else (*f.metadata, f.annotation) for f in fields)
-    found = [mark for some in marks for mark in _quantities(some)]
-    if not found:
+    quantities = [mark for field_marks in marks for mark in _quantities(field_marks)]
+    if not quantities:
         return ""
-    first = found[0]
+    first = quantities[0]
     if isinstance(first, Either):
         return _either_kind(value, first.rotary, first.linear)
     if first.grade and str(value).rstrip().endswith("%"):
@@ -143,12 +143,12 @@ def _either_kind(value: Any, rotary: str, linear: str) -> str:
 
 def _quantities(marks: Sequence[Any]) -> list[Quantity | Either]:
     """Quantities in a field's metadata and type; lists of values are left out."""
-    found: list[Quantity | Either] = [mark for mark in marks if isinstance(mark, Quantity | Either)]
+    quantities: list[Quantity | Either] = [mark for mark in marks if isinstance(mark, Quantity | Either)]
     for mark in marks:
         if get_origin(mark) not in (None, list, dict, tuple) or get_origin(mark) is Annotated:
             inside = (*mark.__metadata__, mark.__origin__) if get_origin(mark) is Annotated else get_args(mark)
-            found += _quantities(inside)
-    return found
+            quantities += _quantities(inside)
+    return quantities
 
 
 # -- Figures by name.
@@ -204,25 +204,25 @@ class SpecFigures:
             raise InputError(f"{quoted(name)}: {wrong}")
         return path
 
-    def place(self, name: str, *, given: bool = True) -> tuple[Path_, str]:
+    def place(self, name: str, *, required: bool = True) -> tuple[Path_, str]:
         """Path and kind of quantity of a figure; an InputError where there is none of that name, or it is not given."""
         if name not in self._known:
             path = self.path(name)
-            found = value_at(self.source.data, path)
-            follows = isinstance(found, dict) and "expression" in found
-            if (isinstance(found, list | dict) and not follows) or (found is None and given):
+            value = value_at(self.source.data, path)
+            follows = isinstance(value, dict) and "expression" in value
+            if (isinstance(value, list | dict) and not follows) or (value is None and required):
                 raise InputError(f"{quoted(name)} is given as no figure in {self.source.name}; expected one that is")
-            self._known[name] = path, kind_of(self.source, path, found)
+            self._known[name] = path, kind_of(self.source, path, value)
         return self._known[name]
 
     def value(self, name: str, data: Any) -> float:
         """A figure of a variant, of its data; NaN where it has none."""
         path, kind = self.place(name)
-        given = value_at(data, path)
-        if isinstance(given, str) and has_tolerance(given):
-            given = tolerance(given).nominal
+        figure = value_at(data, path)
+        if isinstance(figure, str) and has_tolerance(figure):
+            figure = tolerance(figure).nominal
         try:
-            return to_si(given, kind or "dimensionless")
+            return to_si(figure, kind or "dimensionless")
         except InputError:
             return nan
 
@@ -245,26 +245,26 @@ class Derived:
 
 
 def derived_fields(
-    figures: SpecFigures, given: Mapping[str, str], error: Callable[[str, object], InputError]
+    figures: SpecFigures, texts: Mapping[str, str], error: Callable[[str, object], InputError]
 ) -> tuple[Derived, ...]:
     """Fields that follow from others by their expressions, in an order in which each has what it needs."""
-    found: dict[str, tuple[Derived, Expression]] = {}
-    for name, text in given.items():
+    fields: dict[str, tuple[Derived, Expression]] = {}
+    for name, text in texts.items():
         try:
-            path, kind = figures.place(name, given=False)
+            path, kind = figures.place(name, required=False)
             if not kind:
                 raise InputError("is no quantity; expected a field that is one")
-            found[name] = Derived(name, path, kind, text), expression(text)
-            for other in found[name][1].names:
+            fields[name] = Derived(name, path, kind, text), expression(text)
+            for other in fields[name][1].names:
                 figures.place(other)
-        except InputError as one:
-            raise error(name, one) from None
-    needs = {name: [other for other in one.names if other in found] for name, (_, one) in found.items()}
+        except InputError as fault:
+            raise error(name, fault) from None
+    needs = {name: [other for other in formula.names if other in fields] for name, (_, formula) in fields.items()}
     try:
         order = list(TopologicalSorter(needs).static_order())
     except CycleError as ring:
         raise error(ring.args[1][0], f"follows from itself, by way of {', '.join(ring.args[1][1:])}") from None
-    return tuple(found[name][0] for name in order)
+    return tuple(fields[name][0] for name in order)
 
 
 def row_figures(heads: Sequence[str], row: Sequence[Any], of_spec: Callable[[str], float]) -> Callable[[str], float]:

@@ -86,14 +86,19 @@ Box = tuple[float, float, float, float]  # left, width, low, height of a cell
 def map_axes(plan: Plan, names: Sequence[str]) -> MapAxes | None:
     """Axes of the maps: the two named, or the first two; None where nothing varies."""
     grid = plan.shares is None
-    every = [
+    dimensions = [
         Dimension(axis.name, axis.head, tuple(map(axis.table_value, axis.values)), bool(axis.kind), axis.stepped)
         for axis in plan.job.axes
     ]
-    every += [Dimension("spec", "spec", plan.names, False), Dimension("catalogs", "catalogs", plan.catalogs, False)]
-    every += [Dimension("objective", "objective", plan.titles, False)]
+    dimensions += [
+        Dimension("spec", "spec", plan.names, False),
+        Dimension("catalogs", "catalogs", plan.catalogs, False),
+    ]
+    dimensions += [Dimension("objective", "objective", plan.titles, False)]
     sampled = set() if grid else {axis.name for axis in plan.job.axes}
-    there = {one.name: one for one in every if len(one.values) > 1 or one.name in sampled}
+    there = {
+        dimension.name: dimension for dimension in dimensions if len(dimension.values) > 1 or dimension.name in sampled
+    }
     for name in names:
         if name not in there:
             hint = nearest(name, there) or f"; expected two of {', '.join(there) or 'several'}"
@@ -103,26 +108,31 @@ def map_axes(plan: Plan, names: Sequence[str]) -> MapAxes | None:
         return None
     if names and len(picked) != 2:
         raise InputError(f"--map: expected two fields that vary, e.g. --map {','.join(list(there)[:2])}")
-    beside = tuple(one for name, one in there.items() if name not in picked and name not in sampled)
-    return MapAxes(there[picked[0]], there[picked[1]] if len(picked) > 1 else None, beside, grid)
+    panel_axes = tuple(dimension for name, dimension in there.items() if name not in picked and name not in sampled)
+    return MapAxes(there[picked[0]], there[picked[1]] if len(picked) > 1 else None, panel_axes, grid)
 
 
 def points(plan: Plan, over: MapAxes, rows: Iterable[Row]) -> Points:
     """The best row of each variant by panel, with the columns that maps need."""
     heads = [column.head for column in columns_of(plan)]
-    wanted = {over.across.head, *([over.up.head] if over.up else []), *(one.head for one in over.beside), "status"}
-    wanted |= {name for one in MAPS for name in (one.column, one.lacks) if name in heads}
-    places = {name: heads.index(name) for name in wanted}
+    names = {
+        over.across.head,
+        *([over.up.head] if over.up else []),
+        *(dimension.head for dimension in over.beside),
+        "status",
+    }
+    names |= {name for chart in MAPS for name in (chart.column, chart.lacks) if name in heads}
+    places = {name: heads.index(name) for name in names}
     rank, number = heads.index("rank"), heads.index("variant")
-    found: Points = {key: [] for key in product(*(one.values for one in over.beside))}
+    by_panel: Points = {key: [] for key in product(*(dimension.values for dimension in over.beside))}
     for row in rows:
         if row[rank] not in (None, 1):
             continue
         point = {name: row[place] for name, place in places.items()}
-        key = tuple(point[one.head] for one in over.beside)
-        if key in found:
-            found[key].append(point | {"round": plan.round_of(row[number])})
-    return found
+        key = tuple(point[dimension.head] for dimension in over.beside)
+        if key in by_panel:
+            by_panel[key].append(point | {"round": plan.round_of(row[number])})
+    return by_panel
 
 
 def drawn_maps(plan: Plan, rows: Iterable[Row], over: MapAxes) -> tuple[dict[str, Drawing], list[str]]:
@@ -132,17 +142,19 @@ def drawn_maps(plan: Plan, rows: Iterable[Row], over: MapAxes) -> tuple[dict[str
     return drawings(over, points(plan, over, rows))
 
 
-def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str]]:
+def drawings(over: MapAxes, by_panel: Points) -> tuple[dict[str, Drawing], list[str]]:
     """Maps by name, and notes on panels that are not drawn."""
     panels, notes = dict[str, list[dict[str, Any]]](), []
-    for key, rows in found.items():  # fields without their sections, and their values
+    for key, rows in by_panel.items():  # fields without their sections, and their values
         title = []
-        for one, value in zip(over.beside, key, strict=True):
-            unit = one.head.removeprefix(one.name).strip(" ()")
-            plain = one.name in ("spec", "catalogs") or "," in one.name  # which say themselves what they are
-            cell = f"{value:g} {unit}".rstrip() if one.numeric else str(value)
-            named = cell if plain else f"{one.name.rpartition('.')[2]} {cell}"
-            title.append(f"by {value}" if one.name == "objective" else named)
+        for dimension, value in zip(over.beside, key, strict=True):
+            unit = dimension.head.removeprefix(dimension.name).strip(" ()")
+            plain = (
+                dimension.name in ("spec", "catalogs") or "," in dimension.name
+            )  # which say themselves what they are
+            cell = f"{value:g} {unit}".rstrip() if dimension.numeric else str(value)
+            named = cell if plain else f"{dimension.name.rpartition('.')[2]} {cell}"
+            title.append(f"by {value}" if dimension.name == "objective" else named)
         panels[", ".join(title)] = rows
     if len(panels) > _MOST_PANELS:
         notes.append(
@@ -150,10 +162,10 @@ def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str
             "--map A,B names the two axes of the maps"
         )
         panels = dict(list(panels.items())[:_MOST_PANELS])
-    every = [row for rows in panels.values() for row in rows]
-    shown = {one: {row.get(one.column) for row in every} - {None, ""} for one in MAPS}
-    known = [one for one, values in shown.items() if len(values) > (one.name == "motor_family")]
-    return {one.name: draw(one, panels, over) for one in known}, notes
+    all_rows = [row for rows in panels.values() for row in rows]
+    by_chart = {chart: {row.get(chart.column) for row in all_rows} - {None, ""} for chart in MAPS}
+    known = [chart for chart, values in by_chart.items() if len(values) > (chart.name == "motor_family")]
+    return {chart.name: draw(chart, panels, over) for chart in known}, notes
 
 
 # Look of drives: number, colour and pattern or marker, and their list below the map.
@@ -187,56 +199,64 @@ def look_of(number: int | None) -> Look:
 
 
 @figure
-def draw(figure: Figure, shown: Map, panels: dict[str, list[dict[str, Any]]], over: MapAxes) -> None:
+def draw(figure: Figure, chart: Map, panels: dict[str, list[dict[str, Any]]], over: MapAxes) -> None:
     """Draw a map: panels side by side with one colour scale, and what colours and signs mean."""
     from matplotlib.cm import ScalarMappable
 
-    rows = [row for some in panels.values() for row in some]
+    rows = [row for panel in panels.values() for row in panel]
     numbers, others, same = dict[str, int](), 0, None
-    if shown.named:  # those that are best most often
-        often = Counter(row[shown.column] for row in rows if row[shown.column])
+    if chart.named:  # those that are best most often
+        often = Counter(row[chart.column] for row in rows if row[chart.column])
         first = sorted(often, key=lambda name: (-often[name], name))[: len(_FACES) * len(_PATTERNS)]
         numbers = {name: number for number, name in enumerate(first, 1)}
         others = len(often) - len(numbers)
-    known = [row[shown.column] * shown.scale for row in rows if row[shown.column] is not None] if not numbers else []
+    known = [row[chart.column] * chart.scale for row in rows if row[chart.column] is not None] if not numbers else []
     known = [value for value in known if isfinite(value)]
     if len(set(known)) == 1:  # no colour scale is needed
         same = known[0]
-    scale = _scale(shown, known or [0.0])
+    scale = _scale(chart, known or [0.0])
     count = 2 if len(panels) == 4 else min(len(panels), 3)
     lines, listed = ceil(len(panels) / count), len(numbers) + (others > 0)
     columns = 1 if listed <= _SHORT else 2
     figure.set_layout_engine("constrained")
     below = 0.15 * ceil(listed / columns)
     figure.set_figheight(0.9 + lines * (_TALL if len(panels) > 1 else 2.7) + below)
-    figure.suptitle(shown.title, x=0.01, ha="left", fontsize=8, fontweight="bold")
+    figure.suptitle(chart.title, x=0.01, ha="left", fontsize=8, fontweight="bold")
     grid = figure.subplots(lines, count, squeeze=False, sharex=True, sharey=True)
     for n, axes in enumerate(grid.flat):
         axes.set_visible(n < len(panels))
         if n + count >= len(panels):  # nothing is below it
             axes.set_xlabel(short(clean(over.across.head), 40))
             axes.tick_params(labelbottom=True)
-    for axes, (title, some) in zip(grid.flat, panels.items(), strict=False):
+    for axes, (title, panel_rows) in zip(grid.flat, panels.items(), strict=False):
         axes.set_title(short(clean(title), int(_WIDE / count / _LETTER)))
         axes.grid(visible=False)
-        colours = [_colour(shown, numbers, scale, row) for row in some]
+        colours = [_colour(chart, numbers, scale, row) for row in panel_rows]
         if over.up is None:
-            _line(axes, shown, numbers, over.across, some)
+            _line(axes, chart, numbers, over.across, panel_rows)
         elif over.grid:
-            _cells(axes, over.across, over.up, some, colours, [_text(shown, numbers, row) for row in some], count)
+            _cells(
+                axes,
+                over.across,
+                over.up,
+                panel_rows,
+                colours,
+                [_text(chart, numbers, row) for row in panel_rows],
+                count,
+            )
         else:
-            _points(axes, shown, numbers, over, some, colours)
+            _points(axes, chart, numbers, over, panel_rows, colours)
         _ticks(axes.xaxis, over.across, over.grid, _WIDE / count)
         if over.up is not None:
             _ticks(axes.yaxis, over.up, over.grid, inf)
-    upright = over.up.head if over.up else shown.title
-    beside = 0.5 + 0.5 * below / figure.get_figheight()  # the panels, not the list below them
-    figure.supylabel(short(clean(upright), 40), fontsize=7.5, y=beside)
+    upright = over.up.head if over.up else chart.title
+    middle = 0.5 + 0.5 * below / figure.get_figheight()  # the panels, not the list below them
+    figure.supylabel(short(clean(upright), 40), fontsize=7.5, y=middle)
     if known and same is None and over.up is not None:
         bar: Any = figure.colorbar(ScalarMappable(scale[1], scale[0]), ax=list(grid.flat), pad=0.02)
         bar.outline.set_linewidth(0.5)
     cells = over.grid and over.up is not None
-    _legend(figure, numbers, others, _signs(shown, rows, numbers, same, cells), columns, cells=cells)
+    _legend(figure, numbers, others, _signs(chart, rows, numbers, same, cells), columns, cells=cells)
 
 
 def _legend(figure: Figure, numbers: dict[str, int], others: int, signs: str, columns: int, *, cells: bool) -> None:
@@ -259,7 +279,7 @@ def _legend(figure: Figure, numbers: dict[str, int], others: int, signs: str, co
         )  # fmt: skip
 
 
-def _signs(shown: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], same: float | None, cells: bool) -> str:
+def _signs(chart: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], same: float | None, cells: bool) -> str:
     """A single value, and the meaning of signs."""
     statuses, signs = {row["status"] for row in rows}, list[str]()
     if "fail" in statuses:
@@ -268,13 +288,13 @@ def _signs(shown: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], 
         signs.append("×: an invalid variant")
     if numbers and "unknown" in statuses:
         signs.append("?: a check is unknown")
-    if shown.lacks and any(row[shown.lacks] for row in rows):
+    if chart.lacks and any(row[chart.lacks] for row in rows):
         signs.append("≥: not known of all parts, at least" if cells else "some are not known of all parts: at least")
-    said = [f"{same:.4g} wherever it is known: one value, so no colour scale"] if same is not None else []
-    return "\n".join([*said, *([";  ".join(signs)] if signs else [])])
+    notes = [f"{same:.4g} wherever it is known: one value, so no colour scale"] if same is not None else []
+    return "\n".join([*notes, *([";  ".join(signs)] if signs else [])])
 
 
-def _scale(shown: Map, known: Sequence[float]) -> tuple[Any, Any]:
+def _scale(chart: Map, known: Sequence[float]) -> tuple[Any, Any]:
     """Colours of figures, and their norm."""
     import matplotlib
     from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
@@ -282,36 +302,36 @@ def _scale(shown: Map, known: Sequence[float]) -> tuple[Any, Any]:
     low, high = min(known), max(known)
     if low == high:
         return ListedColormap([_GREY]), Normalize(low - 1.0, high + 1.0)
-    if shown.signed and low < 0.0 < high:
+    if chart.signed and low < 0.0 < high:
         return matplotlib.colormaps["PuOr"], TwoSlopeNorm(0.0, low, high)
     return matplotlib.colormaps["cividis"], Normalize(low, high)
 
 
-def _colour(shown: Map, numbers: dict[str, int], scale: tuple[Any, Any], row: dict[str, Any]) -> tuple[Any, str]:
+def _colour(chart: Map, numbers: dict[str, int], scale: tuple[Any, Any], row: dict[str, Any]) -> tuple[Any, str]:
     """Colour and pattern of a cell."""
-    value, hatch = row[shown.column], _FAILED * (row["status"] == "fail")
+    value, hatch = row[chart.column], _FAILED * (row["status"] == "fail")
     if numbers and value and not hatch:
         look = look_of(numbers.get(value))
         return look.face, look.hatch
-    return (_EMPTY if numbers or value is None else scale[0](scale[1](value * shown.scale))), hatch
+    return (_EMPTY if numbers or value is None else scale[0](scale[1](value * chart.scale))), hatch
 
 
-def _text(shown: Map, numbers: dict[str, int], row: dict[str, Any]) -> str:
+def _text(chart: Map, numbers: dict[str, int], row: dict[str, Any]) -> str:
     """Text of a cell: ``≥`` before a sum that does not cover all parts, ``?`` after a drive with an unknown check."""
-    value = row[shown.column]
+    value = row[chart.column]
     if row["status"] == "error":
         return "×"
     if numbers:
         return f"{numbers.get(value) or '…'}{'?' * (row['status'] == 'unknown')}" if value else ""
     if value is None or row["status"] == "fail":
         return ""
-    return f"{'≥' * bool(shown.lacks and row[shown.lacks])}{value * shown.scale:.3g}"
+    return f"{'≥' * bool(chart.lacks and row[chart.lacks])}{value * chart.scale:.3g}"
 
 
-def _places(one: Dimension, rows: Sequence[dict[str, Any]]) -> NDArray[np.float64]:
+def _places(dimension: Dimension, rows: Sequence[dict[str, Any]]) -> NDArray[np.float64]:
     """Positions of rows along an axis: the number, or the place in its list of values."""
-    place = {value: value if one.numeric else n for n, value in enumerate(one.values)}
-    return np.array([float(place.get(row[one.head], row[one.head])) for row in rows])
+    place = {value: value if dimension.numeric else n for n, value in enumerate(dimension.values)}
+    return np.array([float(place.get(row[dimension.head], row[dimension.head])) for row in rows])
 
 
 def _cells(
@@ -355,33 +375,35 @@ def _cells(
             put.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": face, "edgecolor": "none"})
 
 
-def _overlap(one: Box, other: Box) -> bool:
+def _overlap(box: Box, other: Box) -> bool:
     """Whether two cells share more than an edge."""
     gaps = [max(a, b) - min(a + wide, b + broad) for a, wide, b, broad in (
-        (*one[:2], *other[:2]), (*one[2:], *other[2:])
+        (*box[:2], *other[:2]), (*box[2:], *other[2:])
     )]  # fmt: skip
-    return all(gap < -1e-9 * max(one[1], one[3]) for gap in gaps)
+    return all(gap < -1e-9 * max(box[1], box[3]) for gap in gaps)
 
 
-def _within(edges: NDArray[np.float64], value: float, one: Dimension, halvings: int) -> tuple[float, float]:
+def _within(edges: NDArray[np.float64], value: float, dimension: Dimension, halvings: int) -> tuple[float, float]:
     """Lower edge and width of a value's cell after some halvings of the steps."""
     n = int(np.searchsorted(edges, value)) - 1
-    if not (halvings and one.stepped):
+    if not (halvings and dimension.stepped):
         return float(edges[n]), float(edges[n + 1] - edges[n])
     half = float(edges[n + 1] - edges[n]) / 2 ** (halvings + 1)
-    low = float(edges[0]) if value == one.values[0] else value - half
-    return low, (float(edges[-1]) if value == one.values[-1] else value + half) - low
+    low = float(edges[0]) if value == dimension.values[0] else value - half
+    return low, (float(edges[-1]) if value == dimension.values[-1] else value + half) - low
 
 
-def _edges(one: Dimension) -> NDArray[np.float64]:
+def _edges(dimension: Dimension) -> NDArray[np.float64]:
     """Edges of cells: midway between values, and as far beyond the first and the last."""
-    values = np.sort(np.array(one.values, float)) if one.numeric else np.arange(float(len(one.values)))
+    values = (
+        np.sort(np.array(dimension.values, float)) if dimension.numeric else np.arange(float(len(dimension.values)))
+    )
     between = (values[1:] + values[:-1]) / 2
     return np.concatenate([[2 * values[0] - between[0]], between, [2 * values[-1] - between[-1]]])
 
 
 def _points(
-    axes: Axes, shown: Map, numbers: dict[str, int], over: MapAxes, rows: Sequence[dict[str, Any]],
+    axes: Axes, chart: Map, numbers: dict[str, int], over: MapAxes, rows: Sequence[dict[str, Any]],
     colours: Sequence[tuple[Any, str]],
 ) -> None:  # fmt: skip
     """Points of a sample, each with its drive's number where they are few."""
@@ -391,25 +413,25 @@ def _points(
     axes.scatter(x[failed], y[failed], marker="x", s=9, linewidths=0.6, color="#999999")
     looks = [look_of(numbers.get(row["set"])).marker if numbers else "o" for row in rows]
     for marker in sorted(set(looks)):
-        some = [n for n, look in enumerate(looks) if look == marker and not failed[n]]
-        faces = [colours[n][0] for n in some]
-        axes.scatter(x[some], y[some], c=faces, s=16, linewidths=0.3, edgecolors="#555555", marker=marker)
+        indices = [n for n, look in enumerate(looks) if look == marker and not failed[n]]
+        faces = [colours[n][0] for n in indices]
+        axes.scatter(x[indices], y[indices], c=faces, s=16, linewidths=0.3, edgecolors="#555555", marker=marker)
     if numbers and np.count_nonzero(~failed) <= 150:
         for n in np.flatnonzero(~failed).tolist():
-            axes.annotate(_text(shown, numbers, rows[n]).rstrip("?"), (x[n], y[n]), xytext=(2.4, 1.6),
+            axes.annotate(_text(chart, numbers, rows[n]).rstrip("?"), (x[n], y[n]), xytext=(2.4, 1.6),
                           textcoords="offset points", fontsize=5)  # fmt: skip
 
 
-def _line(axes: Axes, shown: Map, numbers: dict[str, int], across: Dimension, rows: Sequence[dict[str, Any]]) -> None:
+def _line(axes: Axes, chart: Map, numbers: dict[str, int], across: Dimension, rows: Sequence[dict[str, Any]]) -> None:
     """The figure, or the number of the drive, over one axis."""
     x = _places(across, rows)
     if numbers:
         y = np.array([float(numbers.get(row["set"]) or nan) for row in rows])
-        every = ceil(len(numbers) / _MOST_TICKS)
-        axes.set(ylim=(0.0, len(numbers) + 1.0), yticks=range(1, len(numbers) + 1, every))
+        step = ceil(len(numbers) / _MOST_TICKS)
+        axes.set(ylim=(0.0, len(numbers) + 1.0), yticks=range(1, len(numbers) + 1, step))
     else:
-        values = [row[shown.column] for row in rows]
-        y = np.array([nan if value is None else value * shown.scale for value in values])
+        values = [row[chart.column] for row in rows]
+        y = np.array([nan if value is None else value * chart.scale for value in values])
     order = np.argsort(x, kind="stable")
     style = "o" if numbers or not across.numeric else "o-"
     axes.plot(x[order], y[order], style, color=COLOURS["blue"], markersize=3)
@@ -419,12 +441,14 @@ def _line(axes: Axes, shown: Map, numbers: dict[str, int], across: Dimension, ro
     axes.grid(visible=True)
 
 
-def _ticks(axis: Any, one: Dimension, grid: bool, room: float) -> None:
+def _ticks(axis: Any, dimension: Dimension, grid: bool, room: float) -> None:
     """Ticks at the values that are words, upright where they have no room [in], and at few numbers of a grid."""
-    if one.numeric:
-        if grid and len(one.values) <= 6:
-            axis.set_ticks(sorted(map(float, one.values)), [f"{value:.4g}" for value in sorted(map(float, one.values))])
+    if dimension.numeric:
+        if grid and len(dimension.values) <= 6:
+            axis.set_ticks(
+                sorted(map(float, dimension.values)), [f"{value:.4g}" for value in sorted(map(float, dimension.values))]
+            )
         return
-    words = [short(clean(str(value)), 16) for value in one.values]
+    words = [short(clean(str(value)), 16) for value in dimension.values]
     upright = 90.0 * (0.058 * (max(map(len, words)) + 1) > room / len(words))
     axis.set_ticks(range(len(words)), words, rotation=upright)

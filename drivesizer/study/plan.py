@@ -230,7 +230,7 @@ def _between(low: float, high: float, place: int, places: int) -> float:
 def _text(value: Any) -> str:
     if isinstance(value, tuple):  # of fields that vary together
         return ", ".join(map(_text, value))
-    if isinstance(value, list) and not any(isinstance(one, dict | list) for one in value):
+    if isinstance(value, list) and not any(isinstance(entry, dict | list) for entry in value):
         return " + ".join(map(str, value))
     if value is None or isinstance(value, str):
         return value or ""
@@ -258,19 +258,19 @@ class Place:
         return InputError(f"{self.source.where((*self.path, *further))}: {text}")
 
 
-def once(place: Place, given: Sequence[Any]) -> None:
+def once(place: Place, values: Sequence[Any]) -> None:
     """Refuse a list that has an entry twice."""
     seen: set[str] = set()
-    for n, value in enumerate(given):
+    for n, value in enumerate(values):
         if repr(value) in seen:
             raise place.error(f"{quoted(value)} is given twice", n)
         seen.add(repr(value))
 
 
-def axis_of(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
+def axis_of(place: Place, spec: YamlSource, name: str, values: Any, grid: bool) -> Axis:
     """A field of a spec with its values: those of a list, or a range of which a grid takes steps."""
     if "," in name:
-        return _together(place, spec, [one.strip() for one in name.split(",")], given)
+        return _together(place, spec, [part.strip() for part in name.split(",")], values)
     axes = spec.data.get("axes") or {} if is_machine(spec) else {}
     path = path_of(name, axes)
     if path is None:
@@ -279,36 +279,38 @@ def axis_of(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -
         raise place.error("expected them in the study's own list, catalogs")
     if wrong := unknown_field(spec, path):
         raise place.error(wrong)
-    first = given.get("from") if isinstance(given, dict) else given[0] if isinstance(given, list) and given else given
+    first = (
+        values.get("from") if isinstance(values, dict) else values[0] if isinstance(values, list) and values else values
+    )
     kind = kind_of(spec, path, _nominal(first))
-    if isinstance(given, list) and any(isinstance(value, dict | list) for value in given):  # bodies, not figures
+    if isinstance(values, list) and any(isinstance(value, dict | list) for value in values):  # bodies, not figures
         kind = ""
-    if isinstance(given, dict):
-        return _range(place, Axis(name=name, path=path, kind=kind), given, grid)
-    if not isinstance(given, list) or not given:
+    if isinstance(values, dict):
+        return _range(place, Axis(name=name, path=path, kind=kind), values, grid)
+    if not isinstance(values, list) or not values:
         raise place.error(f"expected a list of values, e.g. [24 V, 48 V], or a range, {_RANGE}")
-    for n, value in enumerate(given):
+    for n, value in enumerate(values):
         if kind:
             _checked(place, value, kind, n)
-    once(place, given)
-    if not kind or any(has_tolerance(str(value)) for value in given):  # shown as written
-        return Axis(name=name, path=path, values=tuple(given))
-    return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
+    once(place, values)
+    if not kind or any(has_tolerance(str(value)) for value in values):  # shown as written
+        return Axis(name=name, path=path, values=tuple(values))
+    return Axis(name=name, path=path, kind=kind, unit=number(str(values[0]))[1], values=tuple(values))
 
 
-def _together(place: Place, spec: YamlSource, names: Sequence[str], given: Any) -> Axis:
+def _together(place: Place, spec: YamlSource, names: Sequence[str], values: Any) -> Axis:
     """Several fields that vary together: each value is a list with one for each of them."""
-    if not isinstance(given, list) or not all(isinstance(one, list) and len(one) == len(names) for one in given):
+    if not isinstance(values, list) or not all(isinstance(row, list) and len(row) == len(names) for row in values):
         example = f"[{', '.join(f'value of {name}' for name in names)}]"
         raise place.error(f"expected a list of lists, each {example}")
-    once(place, given)
-    once_each = ([*{repr(row[n]): row[n] for row in given}.values()] for n in range(len(names)))
-    each = [axis_of(place, spec, name, column, True) for name, column in zip(names, once_each, strict=True)]
+    once(place, values)
+    once_each = ([*{repr(row[n]): row[n] for row in values}.values()] for n in range(len(names)))
+    axes = [axis_of(place, spec, name, column, True) for name, column in zip(names, once_each, strict=True)]
     return Axis(
         name=", ".join(names),
-        path=each[0].path,
-        also=tuple(one.path for one in each[1:]),
-        values=tuple(map(tuple, given)),
+        path=axes[0].path,
+        also=tuple(axis.path for axis in axes[1:]),
+        values=tuple(map(tuple, values)),
     )
 
 
@@ -328,28 +330,28 @@ def _checked(place: Place, value: Any, kind: str, *further: str | int) -> float:
         raise place.error(error, *further) from None
 
 
-def _range(place: Place, axis: Axis, given: dict[str, Any], grid: bool) -> Axis:
+def _range(place: Place, axis: Axis, span: dict[str, Any], grid: bool) -> Axis:
     known = ("from", "to", "steps") if grid else ("from", "to")
-    for key in given:
+    for key in span:
         if key == "steps" and not grid:
             raise place.error("a Latin hypercube divides the range itself; leave steps out", key)
         if key not in known:
             raise place.error(f"unknown key; expected {', '.join(known)}{nearest(key, known)}", key)
     for key in known:
-        if key not in given:
+        if key not in span:
             raise place.error(f"{key} is missing; expected a range, {_RANGE}")
     if not axis.kind:
         raise place.error("is no quantity; expected a list of values")
     for key in ("from", "to"):
-        if has_tolerance(str(given[key])):
-            raise place.error(f"{quoted(given[key])} has a tolerance; expected a plain quantity, {_RANGE}", key)
-    low, high = (_checked(place, given[key], axis.kind, key) for key in ("from", "to"))
+        if has_tolerance(str(span[key])):
+            raise place.error(f"{quoted(span[key])} has a tolerance; expected a plain quantity, {_RANGE}", key)
+    low, high = (_checked(place, span[key], axis.kind, key) for key in ("from", "to"))
     if not low < high:
-        raise place.error(f"{quoted(given['from'])} is not below {quoted(given['to'])}; expected from below to")
-    axis = axis.between(given["from"], given["to"])
+        raise place.error(f"{quoted(span['from'])} is not below {quoted(span['to'])}; expected from below to")
+    axis = axis.between(span["from"], span["to"])
     if not grid or axis.span is None:
         return axis
-    steps = given["steps"]  # both ends included
+    steps = span["steps"]  # both ends included
     if isinstance(steps, bool) or not isinstance(steps, int) or steps < 2:
         raise place.error(f"{quoted(steps)} is not a whole number from 2; both ends are steps", "steps")
     if steps > 100_000:
@@ -483,7 +485,7 @@ class Plan:
     @property
     def titles(self) -> tuple[str, ...]:
         """The objectives as in tables; empty: the spec's own."""
-        return tuple(title_of(objective_of(one)) if one else "" for one in self.job.objectives)
+        return tuple(title_of(objective_of(objective)) if objective else "" for objective in self.job.objectives)
 
     @property
     def points(self) -> int:
@@ -551,11 +553,11 @@ def _digits(number: int, sizes: Sequence[int]) -> list[int]:
     >>> _digits(5, (2, 3))
     [1, 2]
     """
-    found = []
+    places = []
     for size in reversed(sizes):
         number, place = divmod(number, size)
-        found.append(place)
-    return found[::-1]
+        places.append(place)
+    return places[::-1]
 
 
 def read_study(path: str | Path) -> Plan:
@@ -581,8 +583,8 @@ def planned(source: YamlSource, folder: Path, known: Mapping[str, YamlSource] | 
     ]
     hypercube = study.sampling if isinstance(study.sampling, Hypercube) else None
     axes = tuple(
-        axis_of(Place(source, ("vary", name)), specs[0], name, given, hypercube is None)
-        for name, given in (study.vary or {}).items()
+        axis_of(Place(source, ("vary", name)), specs[0], name, values, hypercube is None)
+        for name, values in (study.vary or {}).items()
     )
     of_machine = machine_job(source, study, specs)
     catalogs = _catalogs(source, study, folder)
@@ -632,24 +634,22 @@ class Expressions:
 
     def expression(self, text: str, *path: str | int) -> Expression:
         """An expression."""
-        one: Expression = self._known(expression, text, *path)
-        return one
+        return self._known(expression, text, *path)
 
     def limit(self, text: str, *path: str | int) -> Limit:
         """A limit on one."""
         kind_of = partial(kind_of_figure, figures=self.figures)
-        one: Limit = self._known(partial(limit, kind_of=kind_of), text, *path)
-        return one
+        return self._known(partial(limit, kind_of=kind_of), text, *path)
 
     def _known(self, read: Callable[[str], Any], text: str, *path: str | int) -> Any:
         try:
-            one = read(text)
-            for name in one.names:
+            formula = read(text)
+            for name in formula.names:
                 if name not in self.further:
                     kind_of_figure(name, self.figures)
         except InputError as error:
             raise self.place.error(error, *path) from None
-        return one
+        return formula
 
 
 def _answers(source: YamlSource, study: StudyFile, read: Expressions, axes: Sequence[Axis]) -> Answers:
@@ -672,12 +672,12 @@ def _spec(place: Place, name: str, folder: Path) -> YamlSource:
         raise place.error(
             f"{quoted(name)} cannot be read ({reason}); expected a spec, its path from the study's folder"
         )
-    found = read(folder / name)
-    if not isinstance(found.data, dict):
-        raise InputError(f"{found.name}: expected fields such as name, load, motion; see `drivesizer init`")
-    if is_machine(found) and not isinstance(found.data.get("axes") or {}, dict):
-        read_machine(found)  # says what is wrong with it
-    return found
+    spec = read(folder / name)
+    if not isinstance(spec.data, dict):
+        raise InputError(f"{spec.name}: expected fields such as name, load, motion; see `drivesizer init`")
+    if is_machine(spec) and not isinstance(spec.data.get("axes") or {}, dict):
+        read_machine(spec)  # says what is wrong with it
+    return spec
 
 
 def _catalogs(source: YamlSource, study: StudyFile, folder: Path) -> tuple[tuple[str, ...] | None, ...]:

@@ -78,83 +78,83 @@ def _number(head: str, unit: str, of: Callable[[Any], Any]) -> tuple[Column, Cal
     return Column(head, "number", unit), of
 
 
-def _euros(one: DriveSet) -> float:
+def _euros(drive: DriveSet) -> float:
     """The price of a drive; unknown where prices are compared in another currency."""
-    return one.price if one.currency == "EUR" else nan
+    return drive.price if drive.currency == "EUR" else nan
 
 
-def _mass_lacks(one: DriveSet) -> list[str]:
-    return sorted(unknown_parts(one, "mass", one.mass_of))
+def _mass_lacks(drive: DriveSet) -> list[str]:
+    return sorted(unknown_parts(drive, "mass", drive.mass_of))
 
 
-def _price_lacks(one: DriveSet) -> Sequence[str]:
-    return unknown_of(one, one.price_of)
+def _price_lacks(drive: DriveSet) -> Sequence[str]:
+    return unknown_of(drive, drive.price_of)
 
 
-def _part(one: Any, name: str = "part") -> str:
-    return str(getattr(one, name)) if one is not None else ""
+def _part(part: Any, name: str = "part") -> str:
+    return str(getattr(part, name)) if part is not None else ""
 
 
 _DRIVE = (
-    _text("set", lambda one: one.label),
-    _text("motor_family", lambda one: one.motor.family),
-    _text("motor_part", lambda one: one.motor.part),
-    _text("gearhead_family", lambda one: one.gearhead.family),
-    _text("gearhead_part", lambda one: one.gearhead.part),
-    _number("gearhead_ratio", "1", lambda one: one.gearhead.ratio),
-    _number("belt_ratio", "1", lambda one: one.belt_ratio),
-    _text("belt_part", lambda one: _part(one.belt_drive and one.belt_drive.belt)),
-    _text("screw_part", lambda one: _part(one.chosen_screw and one.chosen_screw.screw)),
-    _text("brake_part", lambda one: _part(one.brake)),
-    _text("encoder_family", lambda one: _part(one.encoder, "family")),
-    _text("encoder_part", lambda one: _part(one.encoder)),
-    _text("controller_family", lambda one: _part(one.controller, "family")),
-    _text("controller_part", lambda one: _part(one.controller)),
-    _number("total_ratio", "1", lambda one: one.total_ratio),
-    _number("mass_kg", "kg", lambda one: one.mass),  # as the objective counts it
-    _text("mass_lacks", lambda one: " + ".join(_mass_lacks(one))),
-    _text("mass_estimated", lambda one: " + ".join(one.mass_estimated)),
+    _text("set", lambda drive: drive.label),
+    _text("motor_family", lambda drive: drive.motor.family),
+    _text("motor_part", lambda drive: drive.motor.part),
+    _text("gearhead_family", lambda drive: drive.gearhead.family),
+    _text("gearhead_part", lambda drive: drive.gearhead.part),
+    _number("gearhead_ratio", "1", lambda drive: drive.gearhead.ratio),
+    _number("belt_ratio", "1", lambda drive: drive.belt_ratio),
+    _text("belt_part", lambda drive: _part(drive.belt_drive and drive.belt_drive.belt)),
+    _text("screw_part", lambda drive: _part(drive.chosen_screw and drive.chosen_screw.screw)),
+    _text("brake_part", lambda drive: _part(drive.brake)),
+    _text("encoder_family", lambda drive: _part(drive.encoder, "family")),
+    _text("encoder_part", lambda drive: _part(drive.encoder)),
+    _text("controller_family", lambda drive: _part(drive.controller, "family")),
+    _text("controller_part", lambda drive: _part(drive.controller)),
+    _number("total_ratio", "1", lambda drive: drive.total_ratio),
+    _number("mass_kg", "kg", lambda drive: drive.mass),  # as the objective counts it
+    _text("mass_lacks", lambda drive: " + ".join(_mass_lacks(drive))),
+    _text("mass_estimated", lambda drive: " + ".join(drive.mass_estimated)),
     _number("price_EUR", "EUR", _euros),  # of all parts whose price is known
-    _text("price_lacks", lambda one: " + ".join(_price_lacks(one))),
-    _number("objective_si", "", lambda one: one.objective),
-    _number("energy_J", "J", lambda one: next((x.value for x in one.figures if x.name == "energy"), nan)),
-    _number("probability", "1", lambda one: one.reliability.passing if one.reliability else nan),  # that all pass
-    _number("none_fails", "1", lambda one: one.reliability.probability if one.reliability else nan),
-    _number("probability_error", "1", lambda one: one.reliability.error if one.reliability else nan),  # 95 %
+    _text("price_lacks", lambda drive: " + ".join(_price_lacks(drive))),
+    _number("objective_si", "", lambda drive: drive.objective),
+    _number("energy_J", "J", lambda drive: next((x.value for x in drive.figures if x.name == "energy"), nan)),
+    _number("probability", "1", lambda drive: drive.reliability.passing if drive.reliability else nan),  # that all pass
+    _number("none_fails", "1", lambda drive: drive.reliability.probability if drive.reliability else nan),
+    _number("probability_error", "1", lambda drive: drive.reliability.error if drive.reliability else nan),  # 95 %
 )
 _TOTALS = Column("drives", "whole"), Column("machine_mass_kg", unit="kg"), Column("machine_price_EUR", unit="EUR")
 
 
 def _known_price(sizing: MachineSizing) -> float:
     """Sum of the known prices of all parts [EUR]; NaN where none is known or an axis has no drive."""
-    known = [one.drives * _euros(one.best) for one in sizing.axes if one.best and not isnan(_euros(one.best))]
+    known = [axis.drives * _euros(axis.best) for axis in sizing.axes if axis.best and not isnan(_euros(axis.best))]
     return fsum(known) if known and sizing.complete else nan
 
 
 def _lacking(sizing: MachineSizing, of: Callable[[DriveSet], Sequence[str]]) -> str:
     """Parts that a sum does not cover or estimates, by axis: ``lift: motor + encoder; slide: encoder``."""
-    parts = [(one.name, of(one.best)) for one in sizing.axes if one.best] if sizing.complete else []
-    return "; ".join(f"{name}: {' + '.join(some)}" for name, some in parts if some)
+    parts = [(axis.name, of(axis.best)) for axis in sizing.axes if axis.best] if sizing.complete else []
+    return "; ".join(f"{name}: {' + '.join(names)}" for name, names in parts if names)
 
 
 def _machine_cycle(sizing: MachineSizing) -> float:
     """Time of the cycle of all axes [s]."""
     figures = sizing.power.figures if sizing.power else ()
-    return next((one.value for one in figures if one.name == "machine_cycle"), nan)
+    return next((figure.value for figure in figures if figure.name == "machine_cycle"), nan)
 
 
 _MACHINE = (
-    (Column("drives", "whole"), lambda sizing: sum(one.drives for one in sizing.axes if one.best)),
+    (Column("drives", "whole"), lambda sizing: sum(axis.drives for axis in sizing.axes if axis.best)),
     (
         Column("kinds", "whole"),  # of motor and gearhead
-        lambda sizing: len({(one.best.motor.part, one.best.gearhead.part) for one in sizing.axes if one.best}),
+        lambda sizing: len({(axis.best.motor.part, axis.best.gearhead.part) for axis in sizing.axes if axis.best}),
     ),
     _number(
         "machine_mass_kg", "kg",  # unknown where an axis has no drive
-        lambda sizing: fsum(one.drives * one.best.mass if one.best else nan for one in sizing.axes),
+        lambda sizing: fsum(axis.drives * axis.best.mass if axis.best else nan for axis in sizing.axes),
     ),
     _text("mass_lacks", lambda sizing: _lacking(sizing, _mass_lacks)),
-    _text("mass_estimated", lambda sizing: _lacking(sizing, lambda one: one.mass_estimated)),
+    _text("mass_estimated", lambda sizing: _lacking(sizing, lambda drive: drive.mass_estimated)),
     _number("machine_price_EUR", "EUR", _known_price),
     _text("price_lacks", lambda sizing: _lacking(sizing, _price_lacks)),
     _number("objective_si", "", lambda sizing: sizing.total),
@@ -203,10 +203,11 @@ FURTHER = {
         lambda problem, *_: getattr(problem.machine.load, "mass", nan), _no_sum,
     ),
     "joule_heat": Further(
-        Column("joule_heat_W", "number", "W"), lambda _, one, __: objective_figure(one, "joule_heat").value, _no_sum
+        Column("joule_heat_W", "number", "W"), lambda _, drive, __: objective_figure(drive, "joule_heat").value, _no_sum
     ),
     "peak_current": Further(
-        Column("peak_current_A", "number", "A"), lambda _, one, __: objective_figure(one, "peak_current").value, _no_sum
+        Column("peak_current_A", "number", "A"),
+        lambda _, drive, __: objective_figure(drive, "peak_current").value, _no_sum,
     ),
 }  # fmt: skip
 """Figures that a table has where they are wanted, by their names in expressions."""
@@ -260,68 +261,70 @@ def best(
     objective: Ranking | None = None,
     top: int = 1,
     pareto: tuple[str, ...] = (),
-    made: dict[Hashable, Any] | None = None,
+    alike: dict[Hashable, Any] | None = None,
 ) -> Best:
     """The best drives of a spec, and those of the Pareto front of some objectives."""
     ranked = catalog.once(("ranked by", repr(objective)), lambda: spec.select.ranked_by(objective), (spec.select,))
     spec = spec.with_select(ranked)
-    found = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, made=made, pareto=pareto)
-    first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
-    first = [*first, *(row for row in found.found.front if row not in first)] if found.best else first
-    shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
-    sets, nearest = (shown, None) if found.best else ((), next(iter(shown), None))
-    return Best(sets, nearest, found.found.counts, title_of(spec.select.objective), spec.load.motors, found.problem)
+    result = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, made=alike, pareto=pareto)
+    first = result.best or [*islice(chain(result.unsure, result.short, result.rejected), 1)]
+    first = [*first, *(row for row in result.found.front if row not in first)] if result.best else first
+    drives = tuple(
+        result.record(row, rank, reliability=result.reliability.get(row)) for rank, row in enumerate(first, 1)
+    )
+    sets, nearest = (drives, None) if result.best else ((), next(iter(drives), None))
+    return Best(sets, nearest, result.found.counts, title_of(spec.select.objective), spec.load.motors, result.problem)
 
 
-def _further(job: Job, problem: Problem | None, one: DriveSet) -> Row:
+def _further(job: Job, problem: Problem | None, drive: DriveSet) -> Row:
     """Further figures of the machine with a drive in it, as far as the job wants some."""
     if problem is None or not (job.columns or job.merit):
         return []
-    energy = machine_budget(problem, one).energy if {"autonomy", "range"} & {*job.columns} else None
-    found: Row = [FURTHER[name].column.cell(FURTHER[name].of_drive(problem, one, energy)) for name in job.columns]
-    return [*found, MERIT.cell(float(job.merit(one)))] if job.merit else found
+    energy = machine_budget(problem, drive).energy if {"autonomy", "range"} & {*job.columns} else None
+    cells: Row = [FURTHER[name].column.cell(FURTHER[name].of_drive(problem, drive, energy)) for name in job.columns]
+    return [*cells, MERIT.cell(float(job.merit(drive)))] if job.merit else cells
 
 
-def _drive_rows(job: Job, head: Row, found: Best) -> list[Row]:
+def _drive_rows(job: Job, head: Row, result: Best) -> list[Row]:
     """Rows of a variant: one for each drive, or one with the check that the closest rejected drive fails most."""
-    counts = [found.counts.considered, found.counts.feasible]
+    counts = [result.counts.considered, result.counts.feasible]
     rows = []
-    for one in found.sets:
-        totals = [found.drives, *(found.drives * value for value in (one.mass, one.price))]
+    for drive in result.sets:
+        totals = [result.drives, *(result.drives * value for value in (drive.mass, drive.price))]
         rows.append([
-            *head, found.objective, one.rank, one.status, *(column.cell(of(one)) for column, of in _DRIVE),
-            *(column.cell(value) for column, value in zip(_TOTALS, totals, strict=True)), *_smallest_margin(one),
-            *_further(job, found.problem, one), *counts, "", "",
+            *head, result.objective, drive.rank, drive.status, *(column.cell(of(drive)) for column, of in _DRIVE),
+            *(column.cell(value) for column, value in zip(_TOTALS, totals, strict=True)), *_smallest_margin(drive),
+            *_further(job, result.problem, drive), *counts, "", "",
         ])  # fmt: skip
     if rows:
         return rows
-    near = found.nearest
+    near = result.nearest
     none = [None if column.form != "text" else "" for column in (*(column for column, _ in _DRIVE), *_TOTALS)]
     margin, label = (_smallest_margin(near), near.label) if near else ([None, ""], "")
     unknown = [None] * (len(job.columns) + bool(job.merit))
-    return [[*head, found.objective, None, "fail", *none, *margin, *unknown, *counts, label, ""]]
+    return [[*head, result.objective, None, "fail", *none, *margin, *unknown, *counts, label, ""]]
 
 
-def _smallest_margin(one: DriveSet) -> Row:
+def _smallest_margin(drive: DriveSet) -> Row:
     """The smallest margin and its check."""
-    check = worst(one.deciding)
+    check = worst(drive.deciding)
     return [_MARGIN[0].cell(check.margin), check.name] if check else [None, ""]
 
 
 def _machine_row(job: Job, head: Row, sizing: MachineSizing) -> Row:
     """The row of a variant; of an axis without a drive the margin is that of the closest rejected."""
-    labels = {one.name: one.best.label for one in sizing.axes if one.best}
-    counts = [one.result.counts for one in sizing.axes]
+    labels = {axis.name: axis.best.label for axis in sizing.axes if axis.best}
+    counts = [axis.result.counts for axis in sizing.axes]
     least = sizing.tightest(rejected=True)
     margin, check, axis = (least[0].margin, least[0].name, least[1] or "all") if least else (nan, "", "")
-    lost = next((one for one in sizing.axes if one.best is None), None)
+    lost = next((axis for axis in sizing.axes if axis.best is None), None)
     near = lost.closest if lost else None
     return [
         *head, sizing.objective, 1 if sizing.status != "fail" else None, sizing.status,
         *(column.cell(of(sizing)) for column, of in _MACHINE), _MARGIN[0].cell(margin), check, axis,
         *(labels.get(name, "") for name in job.members),
         *(FURTHER[name].column.cell(FURTHER[name].of_machine(sizing)) for name in job.columns),
-        sum(one.considered for one in counts), sum(one.feasible for one in counts),
+        sum(count.considered for count in counts), sum(count.feasible for count in counts),
         f"{lost.name}: {near.label}" if lost and near else "", "",
     ]  # fmt: skip
 
@@ -371,17 +374,17 @@ def document_of(job: Job, variant: Variant) -> YamlSource:
     source = _source(*job.specs[variant.spec])
     data = source.data
     for axis, value in zip(job.axes, variant.values, strict=True):
-        for path, one_value in axis.changes(value):
-            data = changed(data, path, one_value)
-    for one in job.derived:
-        data = one.entered(data, _figures(*job.specs[variant.spec]))
-    found, names = source.with_data(data), job.catalogs[variant.catalogs]
-    axes = (found.data.get("axes") or {}) if is_machine(found) else {}
-    own = [name for name, given in axes.items() if "catalogs" in ((given or {}).get("select") or ())]
+        for path, field_value in axis.changes(value):
+            data = changed(data, path, field_value)
+    for figure in job.derived:
+        data = figure.entered(data, _figures(*job.specs[variant.spec]))
+    document, names = source.with_data(data), job.catalogs[variant.catalogs]
+    axes = (document.data.get("axes") or {}) if is_machine(document) else {}
+    own = [name for name, section in axes.items() if "catalogs" in ((section or {}).get("select") or ())]
     places: list[Path_] = [(), *(("axes", name) for name in own)]
     for path in places if names else ():
-        found.data = changed(found.data, (*path, "select", "catalogs"), list(names or ()))
-    return found
+        document.data = changed(document.data, (*path, "select", "catalogs"), list(names or ()))
+    return document
 
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:
@@ -391,16 +394,16 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
 
 def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
     """The rows of some variants."""
-    made, rows = {"drivesizer": __version__}, list[Row]()
+    versions, rows = {"drivesizer": __version__}, list[Row]()
 
     def parts(spec: RobotSpec) -> Catalog:
         catalog = _catalog(_By(spec.parts_key, spec))
-        made.update({f"catalogue {name}": digest for name, digest in catalog.digests.items()})
+        versions.update({f"catalogue {name}": digest for name, digest in catalog.digests.items()})
         return catalog
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # figures that overflow are unknown in the table
-        for _, of_point in groupby(variants, lambda one: (one.number - 1) // len(job.objectives)):
+        for _, of_point in groupby(variants, lambda variant: (variant.number - 1) // len(job.objectives)):
             alike: dict[Hashable, Any] = {}  # by all objectives of a point
             for variant in of_point:
                 objective = objective_of(text) if (text := job.objectives[variant.objective]) else None
@@ -415,7 +418,7 @@ def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
                 none = ["" if column.form == "text" else None for column in result_columns(job)[len(_HEAD) : -1]]
                 title = title_of(objective) if objective else ""
                 rows.append([*variant.head, title, None, "error", *none, message])
-    return Part(rows, len(variants), made)
+    return Part(rows, len(variants), versions)
 
 
 def spec_figures(job: Job, variant: Variant) -> Callable[[str], float]:
@@ -433,24 +436,24 @@ def _required(job: Job, variant: Variant, rows: list[Row]) -> list[Row]:
         return rows
     columns, of_spec = result_columns(job), spec_figures(job, variant)
     heads, lacks = [column.head for column in columns], [f"{name}_lacks" for name in names_in(job.require)]
-    kept, closest = list[Row](), None
+    within, closest = list[Row](), None
     for row in rows:
         cells = dict(zip(heads, row[len(variant.head) :], strict=True))
         if cells["status"] in ("fail", "error"):
             return rows
         figure = row_figures(heads, [*cells.values()], of_spec)
-        excesses = [(one.excess(figure), one.text) for one in job.require]
+        excesses = [(limit.excess(figure), limit.text) for limit in job.require]
         unknown = next((text for by, text in excesses if isnan(by)), "")
         by, text = (nan, unknown) if unknown else max(excesses)
         if by <= 1e-9:
             status = "unknown" if any(cells.get(name) for name in lacks) else cells["status"]
-            kept.append([*variant.head, *(cells | {"status": status}).values()])
+            within.append([*variant.head, *(cells | {"status": status}).values()])
         elif closest is None:
             none = {column.head: "" if column.form == "text" else None for column in columns}
             none |= {name: cells[name] for name in ("objective", "sets_examined", "sets_that_stand")}
             none |= {"status": "fail", "smallest_margin": _MARGIN[0].cell(-by), "smallest_margin_check": text}
             closest = [*variant.head, *(none | {"nearest_miss": cells.get("set", "")}).values()]
-    return kept or ([closest] if closest else rows)
+    return within or ([closest] if closest else rows)
 
 
 def _rows(
@@ -466,8 +469,8 @@ def _rows(
         if "spec" not in alike:
             alike["spec"] = spec_of(job, variant)
         spec = alike["spec"]
-        found = best(spec, parts(spec), objective=objective, top=job.top, pareto=job.pareto, made=alike)
-        return _drive_rows(job, head, found)
+        drives = best(spec, parts(spec), objective=objective, top=job.top, pareto=job.pareto, alike=alike)
+        return _drive_rows(job, head, drives)
     from drivesizer.multi_axis.sizing import size_machine  # a spec of one axis needs nothing of machines
 
     source = document_of(job, variant)

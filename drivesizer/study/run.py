@@ -50,29 +50,29 @@ Table = tuple[str, Sequence[Column], list[Row]]  # name of the file, columns, ro
 
 def answers(plan: Plan, rows: Callable[[], Iterable[Row]]) -> list[Table]:
     """Tables that a study wants."""
-    wanted, columns, found = plan.answers, columns_of(plan), list[Table]()
-    if wanted.by is not None:
-        found.append(("best.csv", columns, _best(plan, rows(), wanted.over, wanted.by)))
-    if wanted.front:
-        found.append(("front.csv", columns, _front(plan, rows, wanted.front)))
-    if wanted.influence:
-        found.append(("influence.csv", INFLUENCE, _influence(plan, rows, wanted.influence)))
-    return found
+    goals, columns, tables = plan.answers, columns_of(plan), list[Table]()
+    if goals.by is not None:
+        tables.append(("best.csv", columns, _best(plan, rows(), goals.over, goals.by)))
+    if goals.front:
+        tables.append(("front.csv", columns, _front(plan, rows, goals.front)))
+    if goals.influence:
+        tables.append(("influence.csv", INFLUENCE, _influence(plan, rows, goals.influence)))
+    return tables
 
 
-def _value(plan: Plan, row: Row, one: Expression) -> float:
+def _value(plan: Plan, row: Row, expression: Expression) -> float:
     """An expression over the figures of a row and of its variant's spec; NaN where the row has no drive."""
     heads = [column.head for column in columns_of(plan)]
     if row[heads.index("status")] not in _GOOD:
         return nan
-    return one.value(row_figures(heads, row, spec_figures(plan.job, plan.variant(row[0]))))
+    return expression.value(row_figures(heads, row, spec_figures(plan.job, plan.variant(row[0]))))
 
 
 def _best(plan: Plan, rows: Iterable[Row], over: Sequence[str], by: Expression) -> list[Row]:
     """The best row of each combination of all fields but some; the first of equal ones."""
     heads = [column.head for column in columns_of(plan)]
-    kept = [axis.head for axis in plan.job.axes if axis.name not in over] + ["spec", "catalogs", "objective"]
-    places = [heads.index(head) for head in kept if head in heads]
+    fields = [axis.head for axis in plan.job.axes if axis.name not in over] + ["spec", "catalogs", "objective"]
+    places = [heads.index(head) for head in fields if head in heads]
     best: dict[tuple[object, ...], tuple[float, Row]] = {}
     for row in rows:
         key, value = tuple(row[place] for place in places), _value(plan, row, by)
@@ -83,12 +83,12 @@ def _best(plan: Plan, rows: Iterable[Row], over: Sequence[str], by: Expression) 
 
 def _front(plan: Plan, rows: Callable[[], Iterable[Row]], goals: Sequence[Expression]) -> list[Row]:
     """Rows that no other beats in all goals, in the order of the first."""
-    values = np.array([[_value(plan, row, one) for one in goals] for row in rows()])
+    values = np.array([[_value(plan, row, goal) for goal in goals] for row in rows()])
     known = np.flatnonzero(~np.isnan(values).any(axis=1)) if len(values) else np.zeros(0, int)
     front = known[undominated(-values[known])] if len(known) else known
-    wanted = {int(n) for n in front}
-    found = [(tuple(values[n]), row) for n, row in enumerate(rows()) if n in wanted]
-    return [row for _, row in sorted(found, key=lambda pair: pair[0])]
+    numbers = {int(n) for n in front}
+    pairs = [(tuple(values[n]), row) for n, row in enumerate(rows()) if n in numbers]
+    return [row for _, row in sorted(pairs, key=lambda pair: pair[0])]
 
 
 def _influence(plan: Plan, rows: Callable[[], Iterable[Row]], figures: Sequence[Expression]) -> list[Row]:
@@ -97,17 +97,17 @@ def _influence(plan: Plan, rows: Callable[[], Iterable[Row]], figures: Sequence[
     The correlation ratio, which of a full grid is the first-order index of Sobol (Saltelli et al., *Global Sensitivity
     Analysis*, Wiley 2008, section 4.5); a sampled range is taken in ten parts.
     """
-    heads, found = [column.head for column in columns_of(plan)], list[Row]()
-    every = list(rows())
-    for one in figures:
-        values = np.array([_value(plan, row, one) for row in every])
+    heads, lines = [column.head for column in columns_of(plan)], list[Row]()
+    all_rows = list(rows())
+    for figure in figures:
+        values = np.array([_value(plan, row, figure) for row in all_rows])
         known = np.flatnonzero(~np.isnan(values))
         table = list[Row]()
         for axis in plan.job.axes if len(known) else ():
-            cells = [every[n][heads.index(axis.head)] for n in known.tolist()]
-            table.append([one.text, axis.name, *_explained(cells, values[known], sampled=plan.shares is not None)])
-        found += sorted(table, key=lambda row: (-row[2], row[1]))
-    return found
+            cells = [all_rows[n][heads.index(axis.head)] for n in known.tolist()]
+            table.append([figure.text, axis.name, *_explained(cells, values[known], sampled=plan.shares is not None)])
+        lines += sorted(table, key=lambda row: (-row[2], row[1]))
+    return lines
 
 
 def _explained(cells: Sequence[object], values: NDArray[np.float64], *, sampled: bool) -> Row:
@@ -118,9 +118,9 @@ def _explained(cells: Sequence[object], values: NDArray[np.float64], *, sampled:
         group = order * _PARTS // len(cells)
         names = [f"{np.array(cells, float)[group == n].mean():.4g}" for n in range(int(group.max()) + 1)]
     else:
-        every = sorted(set(cells)) if numeric else list(dict.fromkeys(cells))  # type: ignore[type-var]
-        group = np.array([every.index(cell) for cell in cells])
-        names = [f"{cell:g}" if isinstance(cell, int | float) else str(cell) for cell in every]
+        groups = sorted(set(cells)) if numeric else list(dict.fromkeys(cells))  # type: ignore[type-var]
+        group = np.array([groups.index(cell) for cell in cells])
+        names = [f"{cell:g}" if isinstance(cell, int | float) else str(cell) for cell in groups]
     count = np.bincount(group)
     means = np.bincount(group, values) / count
     whole = float(((values - values.mean()) ** 2).sum())
@@ -230,11 +230,11 @@ def _compute(plan: Plan, store: folders.Store, on: Workers | None, progress: Pro
         compute = partial(folders.into_chunk, folder=place, columns=columns, made_of=store.made_of)
         largest, ends = _OF_CHUNK, np.flatnonzero(np.diff(missing) > 1) + 1  # a chunk has points one after the other
     several = min(max(plan.points * plan.of_each // _TASKS, 1), largest)
-    each = max(several // plan.of_each, 1)
+    per_task = max(several // plan.of_each, 1)
     tasks = (
-        [variant for point in some[n : n + each] for variant in plan.point(point)]
-        for some in (part.tolist() for part in np.split(np.array(missing, np.int64), ends))
-        for n in range(0, len(some), each)
+        [variant for point in stretch[n : n + per_task] for variant in plan.point(point)]
+        for stretch in (part.tolist() for part in np.split(np.array(missing, np.int64), ends))
+        for n in range(0, len(stretch), per_task)
     )
     done = plan.total - len(missing) * plan.of_each
     if missing and progress:
@@ -255,16 +255,16 @@ def refined(plan: Plan, rows: Iterable[Row]) -> Plan | None:
     number, rank = heads.index("variant"), heads.index("rank")
     drives = {"status", "set", *(f"{name}.set" for name in plan.job.members)}
     compared = [n for n, head in enumerate(heads) if head in drives]
-    found: dict[Places, tuple[Any, ...]] = {}  # status and best drives of the variants of each point
+    outcomes: dict[Places, tuple[Any, ...]] = {}  # status and best drives of the variants of each point
     for row in rows:
         if row[rank] in (None, 1):
             _, places = plan.places((row[number] - 1) // plan.of_each)
-            found[places] = (*found.get(places, ()), *(row[n] for n in compared))
+            outcomes[places] = (*outcomes.get(places, ()), *(row[n] for n in compared))
 
     def lattice(cell: Places, *offsets: int) -> Iterable[Places]:
         """Points at all combinations of some offsets from a cell's first corner, along the ranges."""
         axes = zip(plan.job.axes, cell, strict=True)
-        return product(*([place + one for one in offsets] if axis.stepped else [place] for axis, place in axes))
+        return product(*([place + offset for offset in offsets] if axis.stepped else [place] for axis, place in axes))
 
     def halved(level: int) -> list[Places]:
         """Cells whose corners differ, each by its first corner, after so many halvings."""
@@ -275,11 +275,11 @@ def refined(plan: Plan, rows: Iterable[Row]) -> Plan | None:
         ))  # fmt: skip
         if level:
             cells = (part for cell in halved(level - 1) for part in lattice(cell, 0, size))
-        return [cell for cell in cells if len({found[point] for point in lattice(cell, 0, size)}) > 1]
+        return [cell for cell in cells if len({outcomes[point] for point in lattice(cell, 0, size)}) > 1]
 
     half = plan.parts >> level + 1
     new = {point for cell in halved(level) for point in lattice(cell, 0, half, 2 * half)}
-    points = tuple(sorted(new - found.keys()))
+    points = tuple(sorted(new - outcomes.keys()))
     return replace(plan, rounds=(*plan.rounds, len(points)), added=(*plan.added, *points)) if points else None
 
 
@@ -355,10 +355,10 @@ def size_variants(
     source = spec.source if isinstance(spec, RobotSpec) else source_of(spec)
     plan = planned(written({"spec": "spec", "vary": dict(vary), **more}, "study"), Path(), {"spec": source})
     with TemporaryDirectory() if folder is None else nullcontext(str(folder)) as place:
-        kept = Path(place) / "study" if folder is None else Path(place)
-        done = carry_out(plan, kept, processes=processes, maps=None)
-        made = {
-            name.removesuffix(".csv"): [dict(zip((one.head for one in heads), row, strict=True)) for row in rows]
+        target = Path(place) / "study" if folder is None else Path(place)
+        done = carry_out(plan, target, processes=processes, maps=None)
+        tables = {
+            name.removesuffix(".csv"): [dict(zip((column.head for column in heads), row, strict=True)) for row in rows]
             for name, heads, rows in done.answers
         }
-        return Variants(tuple(column.head for column in done.columns), list(done.every_row()), made)
+        return Variants(tuple(column.head for column in done.columns), list(done.every_row()), tables)

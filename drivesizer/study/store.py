@@ -112,14 +112,14 @@ def made_of(plan: Plan) -> dict[str, str]:
         return {name: digest_of(read_bytes(folder / name)) for name in named}
 
     shares = b"" if plan.shares is None else plan.shares.tobytes()
-    found = {"drivesizer": __version__, Path(plan.source.name).name: digest_of(canonical(plan.source.data), shares)}
+    inputs = {"drivesizer": __version__, Path(plan.source.name).name: digest_of(canonical(plan.source.data), shares)}
     for name, (path, text) in zip(plan.names, plan.job.specs, strict=True):
         data, folder = YamlSource(text, path).data, Path(path).parent
-        found |= {name: digest_of(canonical(data)), **read(data, folder)}
+        inputs |= {name: digest_of(canonical(data)), **read(data, folder)}
         for names in plan.job.catalogs:
             digests = load(names or named_catalogs(data), beside=folder).digests
-            found |= {f"catalogue {catalog}": value for catalog, value in digests.items()}
-    return found | read([list(axis.values) for axis in plan.job.axes], Path(plan.job.specs[0][0]).parent)
+            inputs |= {f"catalogue {catalog}": value for catalog, value in digests.items()}
+    return inputs | read([list(axis.values) for axis in plan.job.axes], Path(plan.job.specs[0][0]).parent)
 
 
 class Store:
@@ -142,8 +142,8 @@ class Store:
         if fresh:  # the files of a study, and no others
             maps = folder / "maps"
             answers = (folder / name for name in _ANSWERS)
-            every = [*(folder / "chunks").glob("*.parquet"), *maps.glob("*.svg"), *maps.glob("*.png")]
-            remove_files([*self.results, *answers, folder / "rows.jsonl", folder / _MANIFEST, *every])
+            files = [*(folder / "chunks").glob("*.parquet"), *maps.glob("*.svg"), *maps.glob("*.png")]
+            remove_files([*self.results, *answers, folder / "rows.jsonl", folder / _MANIFEST, *files])
         elif before is not None and before != manifest:
             reason = _difference(before, manifest)
             raise InputError(
@@ -214,10 +214,10 @@ class Store:
 
 def refuse_others(made_of: Mapping[str, str], part: Part) -> None:
     """Refuse rows of a process with another program or catalogue."""
-    for name, found in part.made_of.items():
-        if made_of.get(name, found) != found:
+    for name, version in part.made_of.items():
+        if made_of.get(name, version) != version:
             raise InputError(
-                f"{name}: a process that computes variants has another version ({found[:12]}) than this one "
+                f"{name}: a process that computes variants has another version ({version[:12]}) than this one "
                 f"({made_of[name][:12]}); expected the same everywhere"
             )
 
@@ -228,12 +228,12 @@ def _line(body: bytes) -> bytes:
 
 def _difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """Inputs that have changed since the results were computed."""
-    made = before.get("made_of")
-    if before.get("format") != now["format"] or not isinstance(made, dict):
+    inputs = before.get("made_of")
+    if before.get("format") != now["format"] or not isinstance(inputs, dict):
         return f"its {_MANIFEST} is none of this version"
     if before.get("rows") != now.get("rows"):
         return "its rows are kept in another form: with --chunks or without"
-    names = [name for name in {**made, **now["made_of"]} if made.get(name) != now["made_of"].get(name)]
+    names = [name for name in {**inputs, **now["made_of"]} if inputs.get(name) != now["made_of"].get(name)]
     listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     return f"{listed} changed since" if names else "of another size"
 
@@ -267,8 +267,8 @@ def write_parquet(path: Path, columns: Sequence[Column], rows: Iterable[Row]) ->
         for column in columns
     ])  # fmt: skip
     with _whole(path) as stream, parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
-        every = iter(rows)
-        while group := list(islice(every, _GROUP)):
+        rest = iter(rows)
+        while group := list(islice(rest, _GROUP)):
             arrays = [pyarrow.array([row[n] for row in group], field.type) for n, field in enumerate(schema)]
             writer.write_table(pyarrow.table(arrays, schema=schema))
 

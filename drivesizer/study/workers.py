@@ -163,11 +163,11 @@ def _client(address: str) -> Any:
 
     expected = "expected a Dask scheduler's address, e.g. tcp://10.0.0.5:8786"
     try:
-        found = asyncio.run(asyncio.wait_for(identity(), _PATIENCE + 1.0))
+        reply = asyncio.run(asyncio.wait_for(identity(), _PATIENCE + 1.0))
     except Exception as error:  # an unknown server may answer anything
         raise InputError(f"--scheduler: {quoted(address)} does not answer ({_brief(error)}); {expected}") from None
-    if found.get("type") != "Scheduler":
-        raise InputError(f"--scheduler: {quoted(address)} is a {found.get('type', 'server')}; {expected}")
+    if reply.get("type") != "Scheduler":
+        raise InputError(f"--scheduler: {quoted(address)} is a {reply.get('type', 'server')}; {expected}")
     client = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
     try:
         client.wait_for_workers(1, timeout=_PATIENCE)
