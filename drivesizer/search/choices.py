@@ -172,5 +172,4 @@ def _best_places(columns: Mapping[str, Array]) -> Whole:
     names = [*columns]
     several = [*combinations(names, 1), *combinations(names, 2), tuple(names)]
     orders = [weighted_order(columns, dict.fromkeys(some, 1.0)).order for some in several]
-    found: Whole = np.minimum.reduce([np.argsort(order) for order in orders])
-    return found
+    return np.minimum.reduce([np.argsort(order) for order in orders])

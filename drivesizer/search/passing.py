@@ -230,8 +230,7 @@ def _closest(bound: Array) -> Whole:
     last = -np.partition(-bound[bound >= farthest], _NEAREST - 1)[_NEAREST - 1]
     few = np.flatnonzero(bound >= last - _ALIKE * abs(last))  # rounding makes equals of no others
     far = rounded(-bound[few])
-    near: Whole = few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]
-    return near
+    return few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]
 
 
 def _nearest(problem: Problem, one: _Rejected, other: _Rejected) -> _Rejected:

@@ -138,8 +138,7 @@ def controlling_unknown(catalog: Catalog, sets: Candidates, figures: Mapping[str
     """Number of encoder and controller of each drive of which an objective is unknown."""
     declared = OBJECTIVES[objective]
     over = [role for role in declared.over if role in CONTROLLING]
-    unknown: Whole = np.isnan(bought(catalog, sets, figures, declared.figure, over, 0 if catalog.ends else None)).sum(0)
-    return unknown
+    return np.isnan(bought(catalog, sets, figures, declared.figure, over, 0 if catalog.ends else None)).sum(0)
 
 
 def order(
@@ -184,5 +183,4 @@ def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name
     values_ = np.stack([rounded(value[known]) for value, _ in columns], axis=1)
     ordered = order(catalog, sets.on(known), values_[:, 0], np.zeros(len(known), np.int64))
     best = ordered[np.sort(undominated(-values_[ordered]))]
-    found: Whole = known[best]
-    return found
+    return known[best]

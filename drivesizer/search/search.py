@@ -291,8 +291,7 @@ def family_of(catalog: Catalog, motor: Whole) -> Whole:
     def numbers() -> Whole:
         return np.unique(catalog.motors["family"].astype(str), return_inverse=True)[1]
 
-    found: Whole = catalog.once("motor families", numbers)[motor]
-    return found
+    return catalog.once("motor families", numbers)[motor]
 
 
 def family_firsts(family: Whole) -> Whole:
@@ -307,8 +306,7 @@ def family_firsts(family: Whole) -> Whole:
 def _alike(order: Whole, family: Whole, place: int, columns: Array) -> Whole:
     """The drives of the family of one in order that rank as it does, the first of them."""
     same = (family == family[place]) & (columns == columns[:, [place]]).all(axis=0)
-    found: Whole = order[same][:_ALIKE]
-    return found
+    return order[same][:_ALIKE]
 
 
 def _best_of_other_families(problem: Problem, judge: Judge | None, found: InOrder, best: Whole, wanted: int) -> Whole:

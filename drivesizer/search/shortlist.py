@@ -54,8 +54,7 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
     limit = next((one.currency for one in spec.price_limits), "")
     catalog = priced(catalog, limit, spec.select.rates, spec.load.motors)
     how = spec.select.motor.kind, spec.select.estimates == "on", spec.control.phase_current
-    found: Catalog = catalog.once(("view", *how), lambda: view_for(catalog, *how))
-    return found
+    return catalog.once(("view", *how), lambda: view_for(catalog, *how))
 
 
 def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:

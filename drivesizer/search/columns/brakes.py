@@ -72,8 +72,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
             np.append(inertia, 0.0)[row], last, least, (counts >= least) & (row >= 0),
         )  # fmt: skip
 
-    offered: EncoderOffers = catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), made)
-    return offered
+    return catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), made)
 
 
 def _first_of_each(fitting: Mask, order: Whole) -> Whole:
@@ -180,8 +179,7 @@ class OfferedBrakes(NamedTuple):
 
     def goes(self, motor: Whole, brake: Whole) -> Mask:
         """Whether a source lists brakes with motors, by their rows; of none it does not."""
-        found: Mask = (brake >= 0) & np.pad(self.listed, ((0, 0), (0, 1)))[motor, brake]
-        return found
+        return (brake >= 0) & np.pad(self.listed, ((0, 0), (0, 1)))[motor, brake]
 
 
 def offered_brakes(spec: RobotSpec, catalog: Catalog) -> OfferedBrakes | None:
@@ -297,8 +295,7 @@ def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: F
     """Whether the motor's friction is to be counted and holds the load alone, with the safety factor."""
     behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
     counted = spec.needs.hold_unpowered and spec.needs.holding_friction == "counted"
-    found: Mask = counted & np.asarray(held_by_friction(motor) >= spec.needs.holding_factor * behind)
-    return found
+    return counted & np.asarray(held_by_friction(motor) >= spec.needs.holding_factor * behind)
 
 
 def brake_limits(spec: RobotSpec, cycle: AtGearhead, parts: Parts, demand: Demands, listed: Mask) -> list[CheckColumn]:

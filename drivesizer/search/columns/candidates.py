@@ -97,8 +97,7 @@ def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
         of = (problem.spec.select,)
         several = bool((problem.catalog.motors["order_number"] != "").any())
         key = "pairs", problem.spec.is_direct, problem.spec.supply.nominal if several else None
-        found: Candidates = problem.catalog.once(key, lambda: _pairs(problem, None), of)
-        return found
+        return problem.catalog.once(key, lambda: _pairs(problem, None), of)
     return _pairs(problem, also)
 
 
@@ -161,5 +160,4 @@ def parts_share(name: str, table: Table[Any], catalog: Catalog, *, alone: bool) 
     figure, of_motors = table[column], catalog.motors["rotor_inertia" if column == "inertia" else name]
     typical = np.median(known) if len(known := of_motors[~np.isnan(of_motors)]) else 1.0
     unknown = LAST + np.nan_to_num(table["mass"]) if alone else LAST
-    found: Array = np.where(np.isnan(figure), unknown, figure / typical)
-    return found
+    return np.where(np.isnan(figure), unknown, figure / typical)

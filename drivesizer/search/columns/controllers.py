@@ -65,8 +65,7 @@ class Ranks(NamedTuple):
 
     def at(self, figure: NDArray[Any], place: Whole) -> NDArray[Any]:
         """A figure of one controller of each candidate."""
-        found: NDArray[Any] = figure[place, 0 if figure.shape[1] == 1 else np.arange(len(place))]
-        return found
+        return figure[place, 0 if figure.shape[1] == 1 else np.arange(len(place))]
 
     def before(self, reached: Array, most: Array | float) -> Mask:
         """Controllers that may go before what was reached, in the columns of :meth:`best`, infinite where it fails."""
@@ -394,15 +393,11 @@ class _Judged(NamedTuple):
 
     def failed(self, but: Collection[str] = ()) -> Mask:
         """Whether a check fails, but for some."""
-        found: Mask = np.logical_or.reduce([c.failed for c in self.checks if not c.advice and c.name not in but])
-        return found
+        return np.logical_or.reduce([c.failed for c in self.checks if not c.advice and c.name not in but])
 
     def margin(self, of_controller: bool) -> Array:
         """The smallest margin of the checks that hang on the controller, or of the others."""
-        found: Array = np.minimum.reduce(
-            [c.tightness for c in self.checks if (c.name in _OF_CONTROLLER) == of_controller]
-        )
-        return found
+        return np.minimum.reduce([c.tightness for c in self.checks if (c.name in _OF_CONTROLLER) == of_controller])
 
 
 class _Candidates(NamedTuple):
@@ -434,8 +429,7 @@ class _Candidates(NamedTuple):
         spec, motor = self.problem.spec, self.parts.motor
 
         def worst(figure: Callable[[over_time.InCase], Array]) -> Array:
-            found: Array = np.maximum.reduce([figure(case) for case in self.cases])
-            return found
+            return np.maximum.reduce([figure(case) for case in self.cases])
 
         required = Required(
             worst(lambda case: case.demand.rms_current),

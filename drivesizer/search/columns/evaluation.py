@@ -78,8 +78,7 @@ def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> Mas
                 found |= (low[name] != high[name]) & ~np.isnan(low[name])
         return found
 
-    found: Mask = catalog.once(("differ", section, left, method), differ)
-    return found
+    return catalog.once(("differ", section, left, method), differ)
 
 
 # -- Drives in full: every check by the spec's method, with the numbers that a record shows.
@@ -109,8 +108,7 @@ class Evaluation(NamedTuple):
     @property
     def failed(self) -> Mask:
         """Mask of the candidates that fail a check that is not mere advice."""
-        found: Mask = np.logical_or.reduce([check.failed for check in self.checks if not check.advice])
-        return found
+        return np.logical_or.reduce([check.failed for check in self.checks if not check.advice])
 
     @property
     def unknown(self) -> Mask:
@@ -266,8 +264,7 @@ def _with_others(
 def _undecided(found: Evaluation) -> Whole:
     """Number of checks that do not pass; what fails counts more than all that are unknown."""
     checks = [check for check in found.checks if not check.advice]
-    unmet: Whole = np.sum([~check.passed for check in checks], axis=0) + len(checks) * found.failed
-    return unmet
+    return np.sum([~check.passed for check in checks], axis=0) + len(checks) * found.failed
 
 
 def _with_parts(candidates: Candidates, rows: Whole, found: Evaluation | Drives) -> Candidates:
@@ -313,5 +310,4 @@ def _in_order_of_belts(
 
 def smallest_margin(checks: list[CheckColumn]) -> Array:
     """The smallest margin of each candidate that is known; what passes by selection is left out."""
-    found: Array = np.minimum.reduce([check.tightness for check in checks]) if checks else np.zeros(0)
-    return found
+    return np.minimum.reduce([check.tightness for check in checks]) if checks else np.zeros(0)

@@ -247,8 +247,7 @@ def _least_kept(case: InCase, parts: Parts) -> Array:
 
 def _permitted(temperature: Array, motor: Figures) -> Array:
     """Temperature that a winding does not exceed, or fails by its heat: with it a demand is a safe bound."""
-    found: Array = np.fmin(np.where(np.isfinite(temperature), temperature, np.nan), motor["max_winding_temperature"])
-    return found
+    return np.fmin(np.where(np.isfinite(temperature), temperature, np.nan), motor["max_winding_temperature"])
 
 
 def _most_kept(case: InCase, motor: Figures) -> Array:

@@ -224,8 +224,7 @@ def _groups(catalog: Catalog, motor: Whole, gearhead: Whole) -> Whole:
     """Number of each candidate's motor and gearhead family among those that there are, from 0."""
     families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
     group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
-    found: Whole = np.unique(group, return_inverse=True)[1]
-    return found
+    return np.unique(group, return_inverse=True)[1]
 
 
 def largest_allowed(

@@ -239,8 +239,7 @@ def _points(cycle: AtGearhead) -> tuple[Array, Array]:
         sides = (undominated(np.hstack([sign * every[:, :SPEED], speed]), _FRONT) for sign in (1.0, -1.0))
         rows = np.unique(np.concatenate(list(sides)))
         store[name] = every[rows], when[rows]
-    found: tuple[Array, Array] = store[name]
-    return found
+    return store[name]
 
 
 def _between(functions: Array, lines: Array) -> Iterator[Array]:

@@ -190,13 +190,11 @@ class AtSamples(AtGearhead):
 
     def slope(self, c: Array) -> Array:
         """Half of the gradient of the mean square of c f(t), by each coefficient: shape (samples, 6)."""
-        found: Array = ((c * self.scale)[:, None] @ np.moveaxis(self.base.moments, -1, 0))[:, 0] * self.scale
-        return found
+        return ((c * self.scale)[:, None] @ np.moveaxis(self.base.moments, -1, 0))[:, 0] * self.scale
 
     def mean_with(self, c: Array, function: int) -> Array:
         """Mean over each sample's cycle of c f(t) times one of the functions; c of shape (samples, 6)."""
-        found: Array = ((c * self.scale).T * self.base.moments[:, function]).sum(axis=0) * self.scale[function]
-        return found
+        return ((c * self.scale).T * self.base.moments[:, function]).sum(axis=0) * self.scale[function]
 
     def line(self, c: Array) -> Array:
         """The sum c f(t) at both ends of each segment, shape (segments, 2, samples); c of shape (samples, 6)."""
@@ -222,8 +220,7 @@ class AtSamples(AtGearhead):
     @cached_property
     def speeds(self) -> Array:
         """Speed at the gearhead's output, at both ends of each segment [rad/s]: shape (segments, 2, samples)."""
-        scaled: Array = self.base.functions[SPEED] * self.belt
-        return scaled
+        return self.base.functions[SPEED] * self.belt
 
 
 # -- Samples in blocks, ready for any drive with any of some belt ratios.
@@ -263,8 +260,7 @@ class Block(NamedTuple):
             if len(self.made) >= _MOST_MADE:
                 self.made.clear()
             self.made[name] = make()
-        found: Made = self.made[name]
-        return found
+        return self.made[name]
 
 
 def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:

@@ -51,8 +51,7 @@ def _kept(name: str, of: bytes, make: Callable[[], Array]) -> Array:
     path = folder() / f"{name}{int(digest[:4], 16) % _PLACES}-{digest}.npy"
     body = cached_bytes(path)
     if body is not None:
-        found: Array = np.load(io.BytesIO(body), allow_pickle=False)
-        return found
+        return np.load(io.BytesIO(body), allow_pickle=False)
     found = make()
     if found.nbytes <= _LARGEST:
         buffer = io.BytesIO()
@@ -161,8 +160,7 @@ def first_order(inputs: Array, output: Array) -> Array:
     order = np.argsort(inputs, axis=0, kind="stable")
     share = np.square(cosines @ centred[order]).sum(axis=0) / total
     noise = _COSINES / (count - 1)
-    found: Array = np.clip((share - noise) / (1.0 - noise), 0.0, 1.0)
-    return found
+    return np.clip((share - noise) / (1.0 - noise), 0.0, 1.0)
 
 
 def rank_correlations(inputs: Array, output: Array) -> Array:
