@@ -22,7 +22,7 @@ from drivesizer.search.columns.paper import vehicle
 from drivesizer.search.machine_filter import InMachine, best_in_machine
 from drivesizer.search.passing import Progress
 from drivesizer.search.ranking import title_of
-from drivesizer.search.relaxations import changes_for, relaxations, tried
+from drivesizer.search.relaxations import changes_for, movable_names, relaxations
 from drivesizer.search.remarks import assumptions, nearest_figures, not_returning, warnings
 from drivesizer.search.search import SearchResult
 from drivesizer.search.set_record import drive_parts, drive_set, other_checks
@@ -132,7 +132,7 @@ def size(
         front=records(search.front, 1),
         alternatives=records(picked.others, 2),
         relaxations=relaxations(problem, going_on) if in_vain else (),
-        tried=tried(problem) if in_vain else (),
+        tried=movable_names(problem) if in_vain else (),
         unrestricted=None if brief else _unrestricted(problem),
         counts=search.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),

@@ -29,7 +29,7 @@ from drivesizer.results.machine import objective_sum
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.passing import sifted
-from drivesizer.search.ranking import chosen, controlling_unknown, single
+from drivesizer.search.ranking import controlling_unknown, part_rows, single
 from drivesizer.search.set_record import drive_parts, other_checks
 from drivesizer.search.shortlist import Shortlist, problem_with_drive_mass, shortlist
 from drivesizer.search.uncertainty.options import Sampling
@@ -296,7 +296,7 @@ def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
         if kind_of(drive) in rows:
             continue
         evaluation = short.found.evaluation.on(np.array([row]))
-        bought = chosen(evaluation, needs_encoder=not evaluation.spec.steps)
+        bought = part_rows(evaluation, needs_encoder=not evaluation.spec.steps)
         value, missing = _known(evaluation.catalog, evaluation.candidates, {**evaluation.figures, **bought}, objective)
         cost = int(missing[0]), objective_sum(objective, float(value[0]), short.problem.machine.load.motors)
         rows[kind_of(drive)] = _Row(short, row, Choice(drive.label, cost, riding_mass(short.problem, drive)))

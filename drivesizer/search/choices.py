@@ -52,57 +52,59 @@ def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
 
 def choices(problem: Problem, result: SearchResult, most: int, machine: InMachine | None = None) -> Choices | None:
     """Drives to choose from by weights, each with all its figures."""
-    best, every, judge = result.best, result.every.drives, machine and machine.judge
+    best, drives, judge = result.best, result.every.drives, machine and machine.judge
     if not len(best):
         return None
     names = criteria(problem.spec.select.objective, problem.spec.method)
-    alike_certain = every.certainty == every.certainty[best[0]]
+    alike_certain = drives.certainty == drives.certainty[best[0]]
     best, alike = best[alike_certain[best]], np.flatnonzero(alike_certain)
-    sets, figures = every.sets.on(alike), {name: column[alike] for name, column in every.figures.items()}
-    given = np.searchsorted(alike, best)  # the first of them is the best of all
+    sets, figures = drives.sets.on(alike), {name: column[alike] for name, column in drives.figures.items()}
+    best_places = np.searchsorted(alike, best)  # the first of them is the best of all
     affordable = _CELLS // sum(len(case.at_belt.load_cycle.duration) for case in problem.cases)
-    looked_at = picked(_cheap(problem, sets, figures, names), given, affordable).rows
-    found, given = result.every.at(alike[looked_at]), np.searchsorted(looked_at, given)
-    few = picked(_objectives(found, names), given, _JUDGED if judge else most)
-    found, first = found.on(few.rows), int(np.searchsorted(few.rows, given[0]))
-    passing = judge(found.candidates, found.on, len(few.rows)).best if judge else np.arange(len(few.rows))
-    status = {row: _status(found, row, machine if judge else None) for row in passing.tolist()}
-    kept = _margin_order(found, [row for row, one in status.items() if one == status[first]])
+    rows = picked(_cheap(problem, sets, figures, names), best_places, affordable).rows
+    evaluation, best_places = result.every.at(alike[rows]), np.searchsorted(rows, best_places)
+    few = picked(_objectives(evaluation, names), best_places, _JUDGED if judge else most)
+    evaluation, first = evaluation.on(few.rows), int(np.searchsorted(few.rows, best_places[0]))
+    passing = judge(evaluation.candidates, evaluation.on, len(few.rows)).best if judge else np.arange(len(few.rows))
+    status = {row: _status(evaluation, row, machine if judge else None) for row in passing.tolist()}
+    order = _margin_order(evaluation, [row for row, outcome in status.items() if outcome == status[first]])
     return Choices(
-        drives=_records(found, kept, names), first=kept.index(first), weights=problem.spec.select.weights,
-        passing=len(alike), judged=judge is not None, whole=few.whole and not judge and len(looked_at) == len(alike),
+        drives=_records(evaluation, order, names), first=order.index(first), weights=problem.spec.select.weights,
+        passing=len(alike), judged=judge is not None, whole=few.whole and not judge and len(rows) == len(alike),
     )  # fmt: skip
 
 
-def _status(found: Evaluation, row: int, machine: InMachine | None) -> Status:
+def _status(evaluation: Evaluation, row: int, machine: InMachine | None) -> Status:
     """Outcome of a drive's checks and of the machine's."""
-    budget = machine.budget(found, row).checks if machine else ()
-    return verdict((*found.checks_of(row), *budget)) if budget else found.status(row)
+    budget = machine.budget(evaluation, row).checks if machine else ()
+    return verdict((*evaluation.checks_of(row), *budget)) if budget else evaluation.status(row)
 
 
-def _margin_order(found: Evaluation, rows: list[int]) -> list[int]:
+def _margin_order(evaluation: Evaluation, rows: list[int]) -> list[int]:
     """Some drives, the larger smallest margin first, then by part number."""
-    some = found.on(np.array(rows, np.int64))
-    margin = smallest_margin(some.checks)  # infinite where it is unknown
+    drives = evaluation.on(np.array(rows, np.int64))
+    margin = smallest_margin(drives.checks)  # infinite where it is unknown
     unknown = np.isinf(margin)
     order = ranking.order(
-        found.catalog, some.candidates, np.where(unknown, 0.0, -margin), unknown.astype(np.int64)
+        evaluation.catalog, drives.candidates, np.where(unknown, 0.0, -margin), unknown.astype(np.int64)
     )  # fmt: skip
     return [rows[place] for place in order.tolist()]
 
 
-def _objectives(found: Evaluation, names: Sequence[str]) -> dict[str, Array]:
+def _objectives(evaluation: Evaluation, names: Sequence[str]) -> dict[str, Array]:
     """Objectives of drives, less is better, NaN unknown."""
-    known = ranking.counted_figures(found)
-    return {name: _lessened(found.catalog, found.candidates, known, name) for name in names}
+    known = ranking.counted_figures(evaluation)
+    return {name: _lessened(evaluation.catalog, evaluation.candidates, known, name) for name in names}
 
 
-def _records(found: Evaluation, rows: Sequence[int], names: Sequence[str]) -> tuple[Choice, ...]:
+def _records(evaluation: Evaluation, rows: Sequence[int], names: Sequence[str]) -> tuple[Choice, ...]:
     """Drives with their figures."""
-    known = ranking.counted_figures(found)
-    columns = {name: _figure(found.catalog, found.candidates, known, name) for name in names}
+    known = ranking.counted_figures(evaluation)
+    columns = {name: _figure(evaluation.catalog, evaluation.candidates, known, name) for name in names}
     return tuple(
-        Choice(parts=drive_parts(found, row), figures={name: float(column[row]) for name, column in columns.items()})
+        Choice(
+            parts=drive_parts(evaluation, row), figures={name: float(column[row]) for name, column in columns.items()}
+        )
         for row in rows
     )
 
@@ -125,15 +127,15 @@ def _lessened(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], 
 
 def _cheap(problem: Problem, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> dict[str, Array]:
     """Objectives of drives as far as they are known without a waveform, less is better; a bound of the mean power."""
-    found = dict[str, Array]()
+    columns = dict[str, Array]()
     for name in names:
         if name == "energy" and np.isnan(figures[name]).any() and not has_steppers(problem.catalog):
             wheels = problem.machine_cases[0]  # of the load case that the energy is of
             power = [problem.cases[n].spec.load.alike * least_power(problem, n, sets) for n in wheels]
-            found[name] = np.sum(power, axis=0)
+            columns[name] = np.sum(power, axis=0)
         else:
-            found[name] = _lessened(problem.catalog, sets, figures, name)
-    return found
+            columns[name] = _lessened(problem.catalog, sets, figures, name)
+    return columns
 
 
 class Picked(NamedTuple):
@@ -171,5 +173,5 @@ def _best_places(columns: Mapping[str, Array]) -> Whole:
     """The best place of each row in several orders: by each figure alone, by each two of them, by all together."""
     names = [*columns]
     several = [*combinations(names, 1), *combinations(names, 2), tuple(names)]
-    orders = [weighted_order(columns, dict.fromkeys(some, 1.0)).order for some in several]
+    orders = [weighted_order(columns, dict.fromkeys(group, 1.0)).order for group in several]
     return np.minimum.reduce([np.argsort(order) for order in orders])

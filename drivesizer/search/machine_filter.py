@@ -33,7 +33,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
 from drivesizer.search.columns.stages import in_motion, offers, parts_of
-from drivesizer.search.ranking import bought, chosen
+from drivesizer.search.ranking import bought, part_rows
 from drivesizer.search.search import BudgetFilter, Evaluated, Judge, any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.spec.drive import BOUGHT
@@ -55,10 +55,10 @@ _ROUNDING = 1e-9  # of a figure
 
 def battery_failures(problem: Problem, sets: Candidates) -> dict[str, Mask]:
     """The drives that certainly fail on autonomy or range of the battery; empty where neither is required."""
-    found = dict[str, Mask]()
+    failures = dict[str, Mask]()
     battery = problem.spec.battery
     if battery is None:
-        return found
+        return failures
     for numbers in problem.machine_cases:
         case, cycle = problem.cases[numbers[0]].spec, problem.cases[numbers[0]].cycle
         least = np.sum([problem.cases[n].spec.load.alike * least_power(problem, n, sets) for n in numbers], axis=0)
@@ -66,14 +66,14 @@ def battery_failures(problem: Problem, sets: Candidates) -> dict[str, Mask]:
         draw = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan))
         for check in columns_of(case, feeding(case, battery, problem.catalog), cycle, [draw]):
             if check.name in BATTERY_LASTING:
-                found[check.name] = found.get(check.name, False) | check.failed
-    return found
+                failures[check.name] = failures.get(check.name, False) | check.failed
+    return failures
 
 
 def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
     """Lower bound of a motor's mean power over a load case [W]; NaN where the waveform's power is unknown."""
     catalog, case = problem.catalog, problem.cases[number]
-    cycles = [one.at_belt.behind(sets.belt) for one in problem.cases]
+    cycles = [load_case.at_belt.behind(sets.belt) for load_case in problem.cases]
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
     parts, _ = parts_of(problem, offers(problem), cycles, sets, motor, gearhead)
     demand, heating = in_motion(case, cycles[number], parts)
@@ -95,15 +95,15 @@ _NEARLY = 1e-3  # of a limit: what misses it by less is judged by its record
 
 def certain_failures(whole: Evaluation) -> dict[str, Mask]:
     """The drives that certainly fail on each budget of the machine."""
-    sets, found = whole.candidates, dict[str, Mask]()
+    sets, failures = whole.candidates, dict[str, Mask]()
     for check in (*_masses(whole), *_prices(whole), *_batteries(whole)):
         with np.errstate(invalid="ignore"):
             missed = ~((1.0 + check.margin) >= (1.0 + check.needed) * (1.0 - _NEARLY))
         falls = check.failed & missed
         if whole.spec.select.unknown == "reject":
             falls = falls | ~(check.passed | check.failed | check.opened)
-        found[check.name] = found.get(check.name, False) | np.broadcast_to(falls, len(sets.motor))
-    return found
+        failures[check.name] = failures.get(check.name, False) | np.broadcast_to(falls, len(sets.motor))
+    return failures
 
 
 # --- mass -------------------------------------------------------------------------------------------------------------
@@ -115,12 +115,12 @@ def _masses(whole: Evaluation) -> list[CheckColumn]:
     if spec.budget is None or not spec.budget.weighs:
         return []
     catalog = whole.catalog.ends[0] if whole.catalog.ends else whole.catalog
-    parts = chosen(whole, needs_encoder=spec.wants_encoder)
+    parts = part_rows(whole, needs_encoder=spec.wants_encoder)
     of_drive = bought(catalog, sets, parts, "mass", BOUGHT, 1 if whole.catalog.ends else None)
-    each = np.vstack([of_drive, _belts(whole.problem, sets)])
+    masses = np.vstack([of_drive, _belts(whole.problem, sets)])
     rest = machine_mass(spec.budget, (), platform=spec.platform, battery=mass_of(spec.battery, catalog))
-    known = spec.load.motors * np.nansum(each, axis=0) + rest.known
-    lacking = np.isnan(each).any(axis=0) | bool(rest.unknown)
+    known = spec.load.motors * np.nansum(masses, axis=0) + rest.known
+    lacking = np.isnan(masses).any(axis=0) | bool(rest.unknown)
     load = whole.problem.machine.load
     return mass_columns(known, lacking, spec.budget.mass, load.mass if isinstance(load, WheeledVehicle) else None)
 
@@ -133,9 +133,9 @@ def _prices(whole: Evaluation) -> list[CheckColumn]:
     spec, sets = whole.spec, whole.candidates
     if spec.budget is None or spec.budget.price is None:
         return []
-    parts = chosen(whole, needs_encoder=spec.wants_encoder)
-    each = bought(whole.catalog, sets, parts, "price", BOUGHT)
-    price = no_less(spec.load.motors * np.nansum(each, axis=0), ~np.isnan(each).any(axis=0))
+    parts = part_rows(whole, needs_encoder=spec.wants_encoder)
+    prices = bought(whole.catalog, sets, parts, "price", BOUGHT)
+    price = no_less(spec.load.motors * np.nansum(prices, axis=0), ~np.isnan(prices).any(axis=0))
     return [at_most("price", price, spec.budget.price)]
 
 
@@ -168,9 +168,9 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
         at_hand = len(machines) == 1 and bool(whole.figures)  # the paper's method has none
         figures = whole.figures if at_hand else figures_by_physics(part, whole.candidates)
         case, cycle = part.spec, part.cases[0].cycle
-        drawn = figures["energy"] + case.supply.regeneration * figures["returned"]
-        draw = Draw(drawn, figures["returned"], figures["power"])
-        idle = draw._replace(drawn=np.zeros_like(drawn), returned=np.zeros_like(drawn))
+        consumption = figures["energy"] + case.supply.regeneration * figures["returned"]
+        draw = Draw(consumption, figures["returned"], figures["power"])
+        idle = draw._replace(drawn=np.zeros_like(consumption), returned=np.zeros_like(consumption))
         feeds = feeding(case, battery, problem.catalog)
         yield from columns_of(case, feeds, cycle, [draw, *([idle] * (len(numbers) - 1))])
         # the peak of the charge power is no less than its mean over the cycle
@@ -191,7 +191,7 @@ _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long
 class InMachine:
     """A machine against its budgets with drives in it, of each drive once.
 
-    In brief without figures that have no limit, and without counts of the budgets that each drive fails on. ``made``:
+    In brief without figures that have no limit, and without counts of the budgets that each drive fails on. ``memo``:
     what was computed of the same machine before, whatever its drives are ranked by.
     """
 
@@ -201,13 +201,13 @@ class InMachine:
         aside: frozenset[str] = frozenset(),
         *,
         brief: bool = False,
-        made: dict[Hashable, Any] | None = None,
+        memo: dict[Hashable, Any] | None = None,
     ) -> None:
         self.problem, self.aside, self.brief = problem, aside, brief
-        self._made: dict[Hashable, Any] = {} if made is None else made
-        if "requirements" not in self._made:
-            self._made["requirements"] = machine_requirements(problem.machine, brief=brief)
-        self.requirements: MachineBudget | None = self._made["requirements"]
+        self._memo: dict[Hashable, Any] = {} if memo is None else memo
+        if "requirements" not in self._memo:
+            self._memo["requirements"] = machine_requirements(problem.machine, brief=brief)
+        self.requirements: MachineBudget | None = self._memo["requirements"]
         self._budgets: dict[tuple[int, int, float], MachineBudget] = {}
 
     def budget(self, whole: Evaluation, row: int) -> MachineBudget:
@@ -216,9 +216,9 @@ class InMachine:
         key = int(sets.motor[row]), int(sets.gearhead[row]), float(sets.belt[row])
         if key not in self._budgets:
             drive = *key, *(int(part[row]) for part in (whole.controller, whole.encoder, whole.brake))
-            if drive not in self._made:
-                self._made[drive] = machine_budget(self.problem, drive_parts(whole, row), self.requirements)
-            self._budgets[key] = self._made[drive]
+            if drive not in self._memo:
+                self._memo[drive] = machine_budget(self.problem, drive_parts(whole, row), self.requirements)
+            self._budgets[key] = self._memo[drive]
         return self._budgets[key]
 
     def rejects(self, checks: Iterable[Check]) -> bool:
@@ -236,13 +236,13 @@ class InMachine:
         """A function that separates drives that pass the budgets from those that fail; None without budgets."""
         spec = self.problem.spec
         limited = spec.battery or spec.budget or self.requirements or spec.limits_the_bus or spec.supply.stalled
-        return self._judged if limited else None
+        return self._judge if limited else None
 
-    def _judged(self, sets: Candidates, evaluated: Evaluated, wanted: int) -> BudgetFilter:
+    def _judge(self, sets: Candidates, evaluated: Evaluated, number: int) -> BudgetFilter:
         problem, machine, counted = self.problem, self.requirements, not self.brief
 
-        def known(found: dict[str, Mask]) -> dict[str, Mask]:
-            return {name: rows for name, rows in found.items() if name not in self.aside}
+        def known(failures: dict[str, Mask]) -> dict[str, Mask]:
+            return {name: rows for name, rows in failures.items() if name not in self.aside}
 
         count, best, by = len(sets.motor), list[int](), Counter[str]()
         if machine and self.rejects(machine.checks):
@@ -251,8 +251,8 @@ class InMachine:
         early = known(battery_failures(problem, sets)) if problem.spec.method == "physics" else {}
         rejected = np.logical_or.reduce([np.zeros(count, bool), *early.values()])
         most = min(max(_FEWEST, _CELLS // problem.segments), _MOST)
-        alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
-        for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, most):
+        alone = 0 if counted else number  # these first: they are at hand, and mostly pass
+        for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * number, most):
             whole = evaluated(rows)
             certain: dict[str, Mask] | None = None
             few = not counted and not whole.figures and len(rows) <= _FEW  # columns cost more than so many records
@@ -270,11 +270,11 @@ class InMachine:
                     by.update(own)
                 else:
                     best.append(row)
-                if len(best) == wanted:
+                if len(best) == number:
                     break
-            if len(best) == wanted:
+            if len(best) == number:
                 break
-        judged = best[-1] + 1 if len(best) == wanted else count
+        judged = best[-1] + 1 if len(best) == number else count
         by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in early.items()})
         return BudgetFilter(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
@@ -297,21 +297,23 @@ def any_in_machine(problem: Problem) -> bool:
 
 def best_in_machine(problem: Problem, aside: frozenset[str] = frozenset()) -> DriveSet | None:
     """The best drive that passes the machine's budgets too; None where none does."""
-    found = search(problem, top=1, misses=None, judge=InMachine(problem, aside, brief=True).judge)
-    return drive_set(found.evaluation, 0, 1) if found.passing else None
+    result = search(problem, top=1, misses=None, judge=InMachine(problem, aside, brief=True).judge)
+    return drive_set(result.evaluation, 0, 1) if result.passing else None
 
 
-def passes_budgets(problem: Problem, one: DriveParts) -> bool:
+def passes_budgets(problem: Problem, drive: DriveParts) -> bool:
     """Whether a drive passes the budgets of its machine, which need not have been computed."""
     machine = InMachine(problem, brief=True)
     if machine.requirements and machine.rejects(machine.requirements.checks):
         return False
-    return not machine.rejects(machine_budget(problem, one, machine.requirements).checks)
+    return not machine.rejects(machine_budget(problem, drive, machine.requirements).checks)
 
 
 def shortfall(short: Iterable[MachineBudget], better: int, *, any_passes: bool) -> list[str]:
     """A warning that better drives fail on a budget: how many, and which budgets."""
-    names = sorted({sentence_case(check.title) for one in short for check in one.checks if check.status == "fail"})
+    names = sorted(
+        {sentence_case(check.title) for budget in short for check in budget.checks if check.status == "fail"}
+    )
     if not better or not names:
         return []
     if any_passes:

@@ -60,22 +60,22 @@ class Turn(NamedTuple):
     passes_below: bool
 
 
-def estimated_figures(problem: Problem, one: Candidates) -> list[Figure]:
+def estimated_figures(problem: Problem, drive: Candidates) -> list[Figure]:
     """Figures of a single candidate's motor, gearhead and brake that are not the same at both ends of their bands."""
     if not problem.catalog.ends:
         return []
-    (low, high), motors, motor = problem.catalog.ends, problem.catalog.motors, int(one.motor[0])
-    inside, found = motors["inside"][motor] != "", []
+    (low, high), motors, motor = problem.catalog.ends, problem.catalog.motors, int(drive.motor[0])
+    inside, figures = motors["inside"][motor] != "", []
     own_limit = motors["kind"][motor] == "brushed" or np.isnan(motors["nominal_current"][motor])
     follows = _followers(problem.catalog, motor)
-    for section, (row,) in _rows_of(one).items():
+    for section, (row,) in _rows_of(drive).items():
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
             leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or own_limit)
             leads = leads and (section, name) not in follows
             if column.kind != "text" and leads and ends[0] != ends[1] and ends[0] == ends[0]:
-                found.append((section, name))
-    return found
+                figures.append((section, name))
+    return figures
 
 
 def _followers(catalog: Catalog, motor: int) -> dict[Figure, Figure]:
@@ -88,24 +88,24 @@ def _followers(catalog: Catalog, motor: int) -> dict[Figure, Figure]:
 
 
 def passing(
-    problem: Problem, drives: Candidates, names: Sequence[Set[str]], samples: int = SAMPLES, *, each: bool = True
+    problem: Problem, drives: Candidates, names: Sequence[Set[str]], samples: int = SAMPLES, *, exact: bool = True
 ) -> list[dict[str, float]]:
     """Probability that each check of each drive passes, by name; under "" that all of these pass.
 
-    ``names``: of each drive the checks that are open; computed by themselves where ``each`` is wanted.
+    ``names``: of each drive the checks that are open; computed by themselves where ``exact``.
     """
     points = list[dict[Figure, Array]]()
     for place in range(len(names)):
         figures = estimated_figures(problem, drives.on(slice(place, place + 1)))
         points.append(dict(zip(figures, _normal(samples, len(figures)).T, strict=True)))
-    every = drives_at_points(problem, drives, points, samples, set[str]().union(*names) if each else ()).checks
-    found = list[dict[str, float]]()
+    columns = drives_at_points(problem, drives, points, samples, set[str]().union(*names) if exact else ()).checks
+    probabilities = list[dict[str, float]]()
     for place, own in enumerate(names):
-        checks = [check.on(slice(place * samples, (place + 1) * samples)) for check in every if not check.advice]
+        checks = [check.on(slice(place * samples, (place + 1) * samples)) for check in columns if not check.advice]
         known = [check for check in checks if check.name in own or (check.passed | check.failed).any()]
         together = np.logical_and.reduce([check.passed for check in known])
-        found.append({check.name: float(check.passed.mean()) for check in known} | {"": float(together.mean())})
-    return found
+        probabilities.append({check.name: float(check.passed.mean()) for check in known} | {"": float(together.mean())})
+    return probabilities
 
 
 def _rows_of(drives: Candidates) -> dict[str, Whole]:
@@ -129,56 +129,56 @@ def _normal(samples: int, figures: int) -> Array:
     return np.array([[NormalDist().inv_cdf(p) for p in row] for row in cube.tolist()]).reshape(samples, figures)
 
 
-def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]:
+def turns(problem: Problem, drive: Candidates, names: Set[str]) -> dict[str, Turn]:
     """For some checks of a drive the estimated figure that moves each most, and the value at which it turns."""
-    figures = estimated_figures(problem, one)
+    figures = estimated_figures(problem, drive)
     if not figures or not names:
         return {}
     coarse = [np.linspace(-_FARTHEST, _FARTHEST, _STEPS)] * len(figures)
     near = {
-        name: place for name, passed in _along(problem, one, figures, coarse, names).items()
+        name: place for name, passed in _along(problem, drive, figures, coarse, names).items()
         if name in names and (place := _nearest_change(coarse, passed)) is not None
     }  # fmt: skip
     places = list(dict.fromkeys(near.values()))
     fine = [np.linspace(coarse[k][step], coarse[k][step + 1], _FINER) for k, step in places]
-    found = _along(problem, one, [figures[k] for k, _ in places], fine, names) if places else {}
+    passes = _along(problem, drive, [figures[k] for k, _ in places], fine, names) if places else {}
     number = {place: n for n, place in enumerate(places)}
     return {
-        name: _turn(problem, one, figures[place[0]], fine[number[place]], passed)
+        name: _turn(problem, drive, figures[place[0]], fine[number[place]], passed)
         for name, place in near.items()
-        if (passed := found[name][number[place]]).any() and not passed.all()  # else open among many points alone
+        if (passed := passes[name][number[place]]).any() and not passed.all()  # else open among many points alone
     }
 
 
 def _along(
-    problem: Problem, one: Candidates, figures: list[Figure], steps: Sequence[Array], names: Set[str]
+    problem: Problem, drive: Candidates, figures: list[Figure], steps: Sequence[Array], names: Set[str]
 ) -> dict[str, list[Mask]]:
     """Whether each check passes along the steps of one figure after the other, the others at the middle."""
-    ends = np.cumsum([len(each) for each in steps])
+    ends = np.cumsum([len(row) for row in steps])
     owner = np.repeat(np.arange(len(steps)), np.diff(ends, prepend=0))
-    every, points = np.concatenate(steps), dict[Figure, Array]()
+    deviations, points = np.concatenate(steps), dict[Figure, Array]()
     for k, figure in enumerate(figures):
-        points[figure] = points.get(figure, 0.0) + np.where(owner == k, every, 0.0)
-    checks = drives_at_points(problem, one, [points], len(every), names).checks
+        points[figure] = points.get(figure, 0.0) + np.where(owner == k, deviations, 0.0)
+    checks = drives_at_points(problem, drive, [points], len(deviations), names).checks
     return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
 
 
 def _nearest_change(steps: Sequence[Array], passed: Sequence[Mask]) -> tuple[int, int] | None:
     """Figure and step between which a check turns nearest to the middle of the band; None where none turns it."""
     changes = [
-        (abs(float(each[step] + each[step + 1])), k, int(step))
-        for k, (each, good) in enumerate(zip(steps, passed, strict=True))
+        (abs(float(values[step] + values[step + 1])), k, int(step))
+        for k, (values, good) in enumerate(zip(steps, passed, strict=True))
         for step in np.flatnonzero(good[1:] != good[:-1])
     ]
     return min(changes)[1:] if changes else None
 
 
-def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: Mask) -> Turn:
+def _turn(problem: Problem, drive: Candidates, figure: Figure, steps: Array, passed: Mask) -> Turn:
     """The value at which a check turns, between two steps of a figure."""
     step = int(np.flatnonzero(passed != passed[0])[0]) - 1
-    (row,) = _rows_of(one)[figure[0]]
+    (row,) = _rows_of(drive)[figure[0]]
     three = np.array([steps[step], (steps[step] + steps[step + 1]) / 2.0, steps[step + 1]])
-    below, value, above = _moved(problem.catalog, figure, np.array([row, row, row]), three).tolist()
+    below, value, above = _at_deviation(problem.catalog, figure, np.array([row, row, row]), three).tolist()
     return Turn(figure, value, bool(passed[step]) == (below < above))
 
 
@@ -190,24 +190,26 @@ def drives_at_points(
 
     Other figures have values. There are no more encoders than those that were chosen for them, one of each.
     """
-    catalog, given = problem.catalog, drives.on(np.repeat(np.arange(len(points)), count))
+    catalog, repeated = problem.catalog, drives.on(np.repeat(np.arange(len(points)), count))
     tables, numbers = dict[str, Table[Any]](), dict[str, Alike]()
     for section, rows in _rows_of(drives).items():
         own = zip(rows.tolist(), points, strict=True)
-        found = stacked([_table(catalog, section, np.full(count, row), by) for row, by in own if row >= 0])
-        tables[section] = found.changed({name: x for (of, name), x in values.items() if of == section})
+        table = stacked([_table(catalog, section, np.full(count, row), by) for row, by in own if row >= 0])
+        tables[section] = table.changed({name: x for (of, name), x in values.items() if of == section})
         numbers[singular(section)] = np.cumsum(np.repeat(rows >= 0, count)) - 1
     encoder = np.asarray(drives.encoder)
     tables["encoders"] = catalog.encoders.taken(encoder[encoder >= 0])
     numbers["encoder"] = np.repeat(np.cumsum(encoder >= 0) - 1, count)
-    numbers = {name: np.where(getattr(given, name) < 0, getattr(given, name), own) for name, own in numbers.items()}
+    numbers = {
+        name: np.where(getattr(repeated, name) < 0, getattr(repeated, name), own) for name, own in numbers.items()
+    }
     pairs = {"motor_encoder": _NO_PAIRS, "motor_brake": _NO_PAIRS}
     if drives.brake is not None and "brake" in numbers:
         braked = zip(drives.motor.tolist(), drives.brake.tolist(), strict=True)
         rows = np.flatnonzero(np.repeat([is_listed(catalog, *pair) for pair in braked], count))
         pairs["motor_brake"] = unique_pairs(rows, numbers["brake"][rows], 0 * rows)
     varied = replace(catalog.with_tables(tables, pairs), ends=())
-    return at_figures(replace(problem, catalog=varied), given._replace(**numbers), "open", each=names)
+    return at_figures(replace(problem, catalog=varied), repeated._replace(**numbers), "open", exact_checks=names)
 
 
 def _table(catalog: Catalog, section: str, rows: Whole, points: Mapping[Figure, Array]) -> Table[Any]:
@@ -219,7 +221,7 @@ def _table(catalog: Catalog, section: str, rows: Whole, points: Mapping[Figure, 
         own = (section, name)
         by = points.get(follows.get(own, own), points.get(own))
         if by is not None and column.kind != "text":
-            columns[name] = _moved(catalog, own, rows, by)
+            columns[name] = _at_deviation(catalog, own, rows, by)
     if section == "motors" and catalog.ends:
         _with_rated_temperature(catalog, rows, columns)
     return replace(table, columns=columns)
@@ -233,13 +235,13 @@ def _with_rated_temperature(catalog: Catalog, rows: Whole, columns: dict[str, ND
     columns[_RATED] = np.where(follows, reached, columns[_RATED])
 
 
-def _moved(catalog: Catalog, figure: Figure, rows: Whole, by: Array) -> Array:
+def _at_deviation(catalog: Catalog, figure: Figure, rows: Whole, by: Array) -> Array:
     """A figure of some parts, moved from the middle of its band towards its unfavourable end."""
     section, name = figure
     easy, middle, hard = (c.table(section)[name][rows] for c in (catalog.ends[0], catalog, catalog.ends[1]))
     with np.errstate(invalid="ignore", divide="ignore"):
-        moved = lognormal(easy, middle, hard, by)
-    return np.minimum(np.where(np.isnan(moved), middle, moved), 1.0 if name == "efficiency" else np.inf)
+        value = lognormal(easy, middle, hard, by)
+    return np.minimum(np.where(np.isnan(value), middle, value), 1.0 if name == "efficiency" else np.inf)
 
 
 # -- Estimated figures of one drive: which they are, and which of its open checks depend on them.
@@ -258,14 +260,14 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     inside = str(catalog.motors["inside"][motor])
     own = {"motors": motor, "gearheads": gearhead}
     places = {"actuators": catalog.actuators.rows[inside]} if inside else own
-    chosen = zip(_CONTROLLING, (evaluation.encoder, evaluation.controller), strict=True)
-    rows_of = {section: int(rows[index]) for section, rows in chosen if rows[index] >= 0}
+    parts = zip(_CONTROLLING, (evaluation.encoder, evaluation.controller), strict=True)
+    rows_of = {section: int(rows[index]) for section, rows in parts if rows[index] >= 0}
     places |= {section: row for section, row in rows_of.items() if not catalog.table(section)["inside"][row]}
-    found = [(section, one) for section, row in places.items() for one in _part_bands(catalog, section, row)]
+    bands = [(section, band) for section, row in places.items() for band in _part_bands(catalog, section, row)]
     weighed = evaluation.spec.budget is not None and evaluation.spec.budget.weighs
     if (brake := int(evaluation.brake[index])) >= 0:
-        found += [("brakes", one) for one in _part_bands(catalog, "brakes", brake)]
-    weighing = (one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")
+        bands += [("brakes", band) for band in _part_bands(catalog, "brakes", brake)]
+    weighing = (band for section, band in bands if weighed or section not in _CONTROLLING or band.figure != "mass")
     return (*weighing, *loss)
 
 
@@ -285,11 +287,11 @@ def _stage_loss(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ..
 
 def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
     names, part = catalog.estimates.get(section, {}), singular(section)
-    found = {name: one for name in names if (one := catalog.estimate_of(section, row, name)) is not None}
+    bands = {name: band for name in names if (band := catalog.estimate_of(section, row, name)) is not None}
     columns, laws = columns_of(section), shipped_laws()
     return [
-        EstimatedFigure(part, name, *one[:3], columns[name].kind, columns[name].unit, law_text(laws[one.fit]))
-        for name, one in found.items()
+        EstimatedFigure(part, name, *band[:3], columns[name].kind, columns[name].unit, law_text(laws[band.fit]))
+        for name, band in bands.items()
     ]
 
 
@@ -299,18 +301,18 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
     names = evaluation.sampled_checks(index)
     if not names or evaluation.spec.method != "physics":
         return checks, nan
-    one = evaluation.chosen(np.array([index]))
-    (probable,), turning = passing(evaluation.problem, one, [names]), turns(evaluation.problem, one, names)
+    drive = evaluation.chosen(np.array([index]))
+    (probable,), turning = passing(evaluation.problem, drive, [names]), turns(evaluation.problem, drive, names)
     own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
-    found = []
+    with_turns = []
     for check in checks:
         if check.name in names:
             turn = turning.get(check.name)
             note = "; ".join(text for text in (_turning(turn, own), check.note) if text)
             figure = figure_words(singular(turn.figure[0]), turn.figure[1]) if turn else ""
             check = replace(check, probability=probable[check.name], note=note, turns_on=figure)
-        found.append(check)
-    return tuple(found), probable[""]
+        with_turns.append(check)
+    return tuple(with_turns), probable[""]
 
 
 def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:

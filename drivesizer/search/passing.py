@@ -26,7 +26,7 @@ from drivesizer.search.columns.evaluation import at_ends, by_physics, estimated,
 from drivesizer.search.columns.limits_over_time import Waveform
 from drivesizer.search.columns.stages import Drives, Examined, amount_of, belts_together, bits_of, examine, offers
 from drivesizer.search.open_checks import passing
-from drivesizer.search.ranking import COUNTED, chosen, order, rounded
+from drivesizer.search.ranking import COUNTED, order, part_rows, rounded
 from drivesizer.spec.drive import OBJECTIVES
 
 Progress = Callable[[int, int], None]  # drives examined, drives in all
@@ -60,7 +60,7 @@ class Passing(NamedTuple):
     passes: Mask  # none of its checks is unknown or open
 
 
-class _Found(NamedTuple):
+class _Survivors(NamedTuple):
     """Candidates that came through all stages."""
 
     sets: Candidates
@@ -81,46 +81,46 @@ def sifted(
     pareto: Sequence[str] = (),
     progress: Progress | None = None,
     margins: bool = False,
-    wanted: int = 0,
+    enough: int = 0,
     known: bool = False,
 ) -> tuple[Passing, Candidates, Counts]:
     """The drives that pass or may pass, the closest rejected, and the counts.
 
-    ``wanted``: so many of a long cycle are enough, in the order of the objective; 0 all. ``known``: without those that
+    ``enough``: so many of a long cycle are enough, in the order of the objective; 0 all. ``known``: without those that
     figures leave unknown, which are not counted either.
     """
-    every, names = pairs(problem), {*problem.spec.select.weights, *pareto}
+    all_sets, names = pairs(problem), {*problem.spec.select.weights, *pareto}
     waveform: Waveform = "all" if "energy" in names else "limits" if names & _WAVEFORM else "open"
-    total, segments = len(every.motor) * len(problem.belt_ratios), problem.segments
-    lazy = waveform == "open" and wanted > 0 and not margins and (segments > _LONG or total * segments > _MANY)
+    total, segments = len(all_sets.motor) * len(problem.belt_ratios), problem.segments
+    lazy = waveform == "open" and enough > 0 and not margins and (segments > _LONG or total * segments > _MANY)
     margins = margins or waveform != "open"
     done, undecided = 0, 0
-    failed_by, kept = Counter[str](), list[_Found]()
-    rejected = _Rejected(every.on(slice(0, 0)), np.zeros(0))
-    for some, one, opened in _examined(problem, every, "bounds" if lazy else waveform, margins, known):
-        failed_by.update(one.failed_by)
-        kept.append(_Found(some.on(one.drives.rows), one.drives, opened))
-        near = _closest_of_both(problem, some, one)
-        rejected = _nearest(problem, rejected, _Rejected(some.on(one.rejected[near]), one.bound[near]))
-        done += len(some.pairs.motor) * len(some.belts)
+    failed_by, batches = Counter[str](), list[_Survivors]()
+    rejected = _Rejected(all_sets.on(slice(0, 0)), np.zeros(0))
+    for chunk, result, opened in _examined(problem, all_sets, "bounds" if lazy else waveform, margins, known):
+        failed_by.update(result.failed_by)
+        batches.append(_Survivors(chunk.on(result.drives.rows), result.drives, opened))
+        near = _closest_of_both(problem, chunk, result)
+        rejected = _nearest(problem, rejected, _Rejected(chunk.on(result.rejected[near]), result.bound[near]))
+        done += len(chunk.pairs.motor) * len(chunk.belts)
         if progress:
             progress(done, total)
     left_out = 0
-    if kept:
-        found = joined(kept)
-        figures = found.drives.figures | chosen(found.drives, needs_encoder=not problem.spec.steps)
-        figures["margin"] = found.drives.amount.margin if margins else np.full(len(found.opened), np.inf)
-        found = found._replace(drives=found.drives._replace(figures=figures))
+    if batches:
+        survivors = joined(batches)
+        figures = survivors.drives.figures | part_rows(survivors.drives, needs_encoder=not problem.spec.steps)
+        figures["margin"] = survivors.drives.amount.margin if margins else np.full(len(survivors.opened), np.inf)
+        survivors = survivors._replace(drives=survivors.drives._replace(figures=figures))
         if lazy:
-            found, out, by, undecided = _computed_in_order(problem, found, wanted)
+            survivors, out, by, undecided = _computed_in_order(problem, survivors, enough)
             failed_by.update(by)
             rejected = _nearest(problem, rejected, out)
-        drives = _known_of(problem, found, margins, "open" if lazy else waveform, names)
-        left_out = len(found.opened) - len(drives.passes)
+        drives = _known_of(problem, survivors, margins, "open" if lazy else waveform, names)
+        left_out = len(survivors.opened) - len(drives.passes)
     else:
         none = np.zeros(0, np.int64)
         figures = dict.fromkeys((*COUNTED, "margin", "encoder", "controller", "brake"), np.zeros(0))
-        drives = Passing(every.on(none), none, figures, none, np.zeros(0), none == 0)
+        drives = Passing(all_sets.on(none), none, figures, none, np.zeros(0), none == 0)
     counts = Counts(
         considered=total, feasible=len(drives.passes), passing=int(np.count_nonzero(drives.passes)), left_out=left_out,
         open=int(np.count_nonzero(drives.certainty == OPEN)), undecided=undecided,
@@ -131,45 +131,49 @@ def sifted(
 
 def any_passes(problem: Problem) -> bool:
     """Whether any candidate passes or may pass: no more of them are examined than answer that."""
-    every = pairs(problem)
+    all_sets = pairs(problem)
     if problem.spec.select.unknown == "reject":
-        found = (one.drives.amount.unknown for _, one, _ in _examined(problem, every, "open", False, known=True))
-        return any((~unknown.any(axis=1)).any() for unknown in found)
-    uncertain = every.on(estimated(problem, every))
+        unknowns = (
+            result.drives.amount.unknown for _, result, _ in _examined(problem, all_sets, "open", False, known=True)
+        )
+        return any((~unknown.any(axis=1)).any() for unknown in unknowns)
+    uncertain = all_sets.on(estimated(problem, all_sets))
     favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
-    for side, sets in ((favourable, every), (unfavourable, uncertain)):
-        for some, _ in _chunks(problem, sets):
-            if any(len(one.drives.rows) for one in examine(side, some, waveform="open")):
+    for side, sets in ((favourable, all_sets), (unfavourable, uncertain)):
+        for chunk, _ in _chunks(problem, sets):
+            if any(len(result.drives.rows) for result in examine(side, chunk, waveform="open")):
                 return True
     return False
 
 
 def _examined(
-    problem: Problem, every: Candidates, waveform: Waveform, margins: bool, known: bool = False
+    problem: Problem, all_sets: Candidates, waveform: Waveform, margins: bool, known: bool = False
 ) -> Iterator[tuple[Crossed, Examined, Mask]]:
     """Some of them after the other: all at the favourable end of the bands, those that hang on one at the other too.
 
     With each which of what came through is open.
     """
-    uncertain = _uncertain(problem, every)
+    uncertain = _uncertain(problem, all_sets)
     favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
     offered = offers(favourable), offers(unfavourable) if uncertain.any() else None
-    for some, rows in _chunks(problem, every):
-        easy = _together(examine(favourable, some, waveform=waveform, margins=margins, offered=offered[0], known=known))
+    for chunk, rows in _chunks(problem, all_sets):
+        easy = _together(
+            examine(favourable, chunk, waveform=waveform, margins=margins, offered=offered[0], known=known)
+        )
         few = np.flatnonzero(uncertain[rows])
         if not len(few):
-            yield some, easy, np.zeros(len(easy.drives.rows), bool)
+            yield chunk, easy, np.zeros(len(easy.drives.rows), bool)
             continue
-        again = Crossed(some.pairs.on(few), some.belts)
-        hard = _together(examine(unfavourable, again, waveform=waveform, margins=margins, offered=offered[1]))
+        subset = Crossed(chunk.pairs.on(few), chunk.belts)
+        hard = _together(examine(unfavourable, subset, waveform=waveform, margins=margins, offered=offered[1]))
         belt, row = np.divmod(hard.drives.rows, len(few))
-        hard = hard._replace(drives=hard.drives._replace(rows=belt * len(some.pairs.motor) + few[row]))
-        yield some, *_at_both(easy, hard, np.isin(easy.drives.rows % len(some.pairs.motor), few))
+        hard = hard._replace(drives=hard.drives._replace(rows=belt * len(chunk.pairs.motor) + few[row]))
+        yield chunk, *_at_both(easy, hard, np.isin(easy.drives.rows % len(chunk.pairs.motor), few))
 
 
-def _together(found: Iterable[Examined]) -> Examined:
+def _together(results: Iterable[Examined]) -> Examined:
     """Candidates that were examined some at a time, put together; there is at least one."""
-    drives, _, failed_by, rejected, bound = zip(*found, strict=True)
+    drives, _, failed_by, rejected, bound = zip(*results, strict=True)
     return Examined(
         joined(drives), [], sum(failed_by, Counter[str]()), np.concatenate(rejected), np.concatenate(bound)
     )  # fmt: skip
@@ -191,35 +195,35 @@ def _at_both(easy: Examined, hard: Examined, opened: Mask) -> tuple[Examined, Ma
     alone, still = np.setdiff1d(np.arange(len(at.rows)), here), ~np.isin(easy.rejected, end.rows)
     whole = joined([on(at, alone), end])
     in_order = np.argsort(whole.rows)
-    found = easy._replace(drives=on(whole, in_order), rejected=easy.rejected[still], bound=easy.bound[still])
-    return found, np.concatenate([opened[alone], differs])[in_order]
+    result = easy._replace(drives=on(whole, in_order), rejected=easy.rejected[still], bound=easy.bound[still])
+    return result, np.concatenate([opened[alone], differs])[in_order]
 
 
-def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slice]]:
+def _chunks(problem: Problem, all_sets: Candidates) -> Iterator[tuple[Crossed, slice]]:
     """The candidates belt by belt, some at a time, and which pairs these are."""
     belts = problem.belt_ratios
-    most = min(max(_CHUNK // max(len(every.motor), 1), 1), belts_together(problem))
-    for some in np.array_split(np.array(belts), -(-len(belts) // most)):  # alike many at a time
-        for start in range(0, len(every.motor), _CHUNK):
+    most = min(max(_CHUNK // max(len(all_sets.motor), 1), 1), belts_together(problem))
+    for ratios in np.array_split(np.array(belts), -(-len(belts) // most)):  # alike many at a time
+        for start in range(0, len(all_sets.motor), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            yield Crossed(every.on(rows), some.tolist()), rows
+            yield Crossed(all_sets.on(rows), ratios.tolist()), rows
 
 
-def _closest_of_both(problem: Problem, some: Crossed, one: Examined) -> Whole:
+def _closest_of_both(problem: Problem, chunk: Crossed, result: Examined) -> Whole:
     """The closest of the rejected with estimated figures, and of those without.
 
     What hangs on estimated figures is bounded by their favourable end, which may be far from the middle.
     """
-    hangs = _uncertain(problem, some.pairs)[one.rejected % len(some.pairs.motor)]
+    hangs = _uncertain(problem, chunk.pairs)[result.rejected % len(chunk.pairs.motor)]
     kinds = np.flatnonzero(~hangs), np.flatnonzero(hangs)
-    return np.concatenate([rows[_closest(one.bound[rows])] for rows in kinds])
+    return np.concatenate([rows[_closest(result.bound[rows])] for rows in kinds])
 
 
 def _uncertain(problem: Problem, sets: Candidates) -> Mask:
     """Mask of the candidates that have an estimated figure."""
-    found = np.zeros(len(sets.motor), bool)
-    found[estimated(problem, sets)] = True
-    return found
+    mask = np.zeros(len(sets.motor), bool)
+    mask[estimated(problem, sets)] = True
+    return mask
 
 
 def _closest(bound: Array) -> Whole:
@@ -233,22 +237,28 @@ def _closest(bound: Array) -> Whole:
     return few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]
 
 
-def _nearest(problem: Problem, one: _Rejected, other: _Rejected) -> _Rejected:
+def _nearest(problem: Problem, rejected: _Rejected, other: _Rejected) -> _Rejected:
     """The nearest of the rejected of two; of those that are equally far the first by part number."""
-    both = joined([one, other])
-    rows = order(problem.catalog, both.sets, -both.bound, np.zeros(len(both.bound), np.int64))
-    hangs = _uncertain(problem, both.sets)[rows]
+    union = joined([rejected, other])
+    rows = order(problem.catalog, union.sets, -union.bound, np.zeros(len(union.bound), np.int64))
+    hangs = _uncertain(problem, union.sets)[rows]
     number = np.where(hangs, np.cumsum(hangs), np.cumsum(~hangs))  # of each kind by itself
-    return on(both, rows[number <= _NEAREST])
+    return on(union, rows[number <= _NEAREST])
 
 
-def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_Found, _Rejected, Counter[str], int]:
+def _computed_in_order(
+    problem: Problem, survivors: _Survivors, number: int
+) -> tuple[_Survivors, _Rejected, Counter[str], int]:
     """Drives that bounds leave open computed in the order of an objective, until so many before the next one pass.
 
     The rest of them is left out, and counted. Where no drive passes because of what all lack, a look at some says so.
     """
-    catalog, objective, sets, drives = problem.catalog, problem.spec.select.objective, found.sets, found.drives
-    undecided, failed, opened = drives.figures[UNDECIDED] > 0.0, np.zeros(len(found.opened), bool), found.opened.copy()
+    catalog, objective, sets, drives = problem.catalog, problem.spec.select.objective, survivors.sets, survivors.drives
+    undecided, failed, opened = (
+        drives.figures[UNDECIDED] > 0.0,
+        np.zeros(len(survivors.opened), bool),
+        survivors.opened.copy(),
+    )
     certain = drives.amount.unknown & ~bits_of(OVER_WAVEFORM)
     own = (certain & ~np.bitwise_and.reduce(certain, axis=0)).any(axis=1)
     # none of these passes, whatever the waveform says, but for what all lack
@@ -256,8 +266,8 @@ def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_F
     lacks &= not lacks[undecided].all()
     amount = drives.amount._replace(**{name: x.copy() for name, x in drives.amount._asdict().items()})
     figures = {name: x.copy() for name, x in drives.figures.items()}
-    enough, seen = max(_CELLS // problem.segments, _SEEN, 4 * wanted), 0
-    size = max(2 * wanted, min(_FIRST, _CELLS_AT_FIRST // problem.segments))
+    enough, seen = max(_CELLS // problem.segments, _SEEN, 4 * number), 0
+    size = max(2 * number, min(_FIRST, _CELLS_AT_FIRST // problem.segments))
     failed_by = Counter[str]()
     while undecided.any():
         # anew, for with its waveform a drive may need a heavier controller
@@ -267,35 +277,35 @@ def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_F
             of_all = np.bitwise_and.reduce(amount.unknown[~(undecided | failed)], axis=0)
         passes = ~(undecided | failed | opened | (amount.opened > 0) | (amount.unknown & ~of_all).any(axis=1))
         rank, value = order(catalog, sets, value, missing, before=[lacks]), rounded(value)
-        some = rank[undecided[rank]][:size]
-        first = some[0]
+        rows = rank[undecided[rank]][:size]
+        first = rows[0]
         better = (missing < missing[first]) | ((missing == missing[first]) & (value <= value[first]))
-        if np.count_nonzero(passes & (better | lacks[first])) >= wanted:
+        if np.count_nonzero(passes & (better | lacks[first])) >= number:
             break
         if not seen:  # the best of those is named beside the first that passes
             others = np.flatnonzero(undecided & lacks)
             few = order(catalog, sets.on(others), value[others], missing[others])[:_NAMED]
-            some = np.union1d(some, others[few])
-        one = by_physics(problem, sets.on(some), "open")
-        checks = [check for check in one.checks if not check.advice]
+            rows = np.union1d(rows, others[few])
+        evaluation = by_physics(problem, sets.on(rows), "open")
+        checks = [check for check in evaluation.checks if not check.advice]
         failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})
-        opened[some] = False
+        opened[rows] = False
         for check in checks:
-            opened[some] |= False if check.least is None else check.opened & ~np.isnan(check.least)
-        failed[some], undecided[some] = one.failed, False
-        for column, computed in zip(amount, amount_of(checks, len(some)), strict=True):
-            column[some] = computed
-        for name, x in chosen(one, needs_encoder=not problem.spec.steps).items():
-            figures[name][some] = x
-        seen, size = seen + len(some), 2 * size
+            opened[rows] |= False if check.least is None else check.opened & ~np.isnan(check.least)
+        failed[rows], undecided[rows] = evaluation.failed, False
+        for column, computed in zip(amount, amount_of(checks, len(rows)), strict=True):
+            column[rows] = computed
+        for name, x in part_rows(evaluation, needs_encoder=not problem.spec.steps).items():
+            figures[name][rows] = x
+        seen, size = seen + len(rows), 2 * size
     left, out = np.flatnonzero(~(failed | undecided)), np.flatnonzero(failed)
-    found = _Found(sets, drives._replace(amount=amount, figures=figures), opened)
-    return on(found, left), _Rejected(sets.on(out), amount.margin[out]), failed_by, int(np.count_nonzero(undecided))
+    survivors = _Survivors(sets, drives._replace(amount=amount, figures=figures), opened)
+    return on(survivors, left), _Rejected(sets.on(out), amount.margin[out]), failed_by, int(np.count_nonzero(undecided))
 
 
-def _known_of(problem: Problem, found: _Found, margins: bool, waveform: Waveform, names: set[str]) -> Passing:
+def _known_of(problem: Problem, survivors: _Survivors, margins: bool, waveform: Waveform, names: set[str]) -> Passing:
     """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
-    sets, (_, amount, *_, figures), opened = found
+    sets, (_, amount, *_, figures), opened = survivors
     rows = estimated(problem, sets)
     if names & set(COUNTED) and len(rows):
         middle = figures_by_physics(problem, sets.on(rows), "all" if waveform == "open" else waveform)
@@ -310,8 +320,8 @@ def _known_of(problem: Problem, found: _Found, margins: bool, waveform: Waveform
     near = np.where(opened, _TENTHS - 1, np.minimum(amount.opened + amount.doublings, _TENTHS - 1))
     lacking = np.where(certainty == OPEN, near, lacking + amount.opened + amount.doublings + (opened & (lacking > 0)))
     lacking[certainty == PASSES] = 0
-    found_ = Passing(sets, certainty, figures, lacking, most, known & ~opened & ~by_range)
-    return on(found_, np.flatnonzero(known)) if problem.spec.select.unknown == "reject" else found_
+    drives = Passing(sets, certainty, figures, lacking, most, known & ~opened & ~by_range)
+    return on(drives, np.flatnonzero(known)) if problem.spec.select.unknown == "reject" else drives
 
 
 # -- Order of drives before their margins count.
@@ -347,22 +357,22 @@ class Rank(NamedTuple):
         return order(catalog, sets.on(rows), self.value[rows], self.missing[rows], before=before, margin=margin)
 
 
-def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
+def ranked(problem: Problem, drives: Passing, top: int) -> Rank:
     """Columns that order the drives that pass or may pass.
 
     Of open checks as many drives are sampled as an order of those shown needs. An open drive is placed by tenths of the
     probability that it passes, an unknown one whose open checks hardly pass behind one of which more is unknown.
     """
-    value, missing = ranking.values(problem.catalog, kept.sets, kept.figures, problem.spec.select.objective)
-    precedence = _TENTHS * kept.certainty + kept.lacking
-    opened = kept.certainty == OPEN
+    value, missing = ranking.values(problem.catalog, drives.sets, drives.figures, problem.spec.select.objective)
+    precedence = _TENTHS * drives.certainty + drives.lacking
+    opened = drives.certainty == OPEN
     count = max(min(_SAMPLED, waveforms(problem)), top)
-    ahead = np.count_nonzero(kept.certainty == PASSES)
-    for rows in (np.flatnonzero(opened), np.flatnonzero(kept.certainty == UNKNOWN)):
-        if len(rows) and np.count_nonzero(kept.certainty != PASSES) > 1 and ahead < top:
+    ahead = np.count_nonzero(drives.certainty == PASSES)
+    for rows in (np.flatnonzero(opened), np.flatnonzero(drives.certainty == UNKNOWN)):
+        if len(rows) and np.count_nonzero(drives.certainty != PASSES) > 1 and ahead < top:
             before = [precedence[rows]]
-            best = rows[order(problem.catalog, kept.sets.on(rows), value[rows], missing[rows], before=before)][:count]
-            probable = _probabilities(problem, kept.sets.on(best))
+            best = rows[order(problem.catalog, drives.sets.on(rows), value[rows], missing[rows], before=before)][:count]
+            probable = _probabilities(problem, drives.sets.on(best))
             tenths = (10.0 * np.nan_to_num(probable, nan=1.0)).astype(np.int64)
             hardly = np.where(opened[best], _TENTHS * UNKNOWN, precedence[best]) + _HARDLY
             by_samples = opened[best] & ~np.isnan(probable)
@@ -374,12 +384,14 @@ def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
 
 def _probabilities(problem: Problem, sets: Candidates) -> Array:
     """Probability that the checks of each drive pass together that estimates leave open; NaN of drives without any."""
-    few, found = by_physics(problem, sets, "open"), np.full(len(sets.motor), np.nan)
-    names = {place: some for place in range(len(found)) if (some := few.sampled_checks(place))}
+    few, probabilities = by_physics(problem, sets, "open"), np.full(len(sets.motor), np.nan)
+    names = {place: checks for place in range(len(probabilities)) if (checks := few.sampled_checks(place))}
     if names:
         places = np.array(list(names))
-        found[places] = [one[""] for one in passing(problem, few.chosen(places), list(names.values()), each=False)]
-    return found
+        probabilities[places] = [
+            shares[""] for shares in passing(problem, few.chosen(places), list(names.values()), exact=False)
+        ]
+    return probabilities
 
 
 def waveforms(problem: Problem) -> int:
@@ -390,14 +402,14 @@ def waveforms(problem: Problem) -> int:
 _HELD_BACK = 5  # drives that missing figures keep from being the first, which are named
 
 
-def better_but_unknown(problem: Problem, kept: Passing, rank: Rank, best: Whole) -> Whole:
+def better_but_unknown(problem: Problem, drives: Passing, rank: Rank, best: Whole) -> Whole:
     """The best, of a motor each, that are better than the first shown and stand behind it for missing figures alone."""
-    if not len(best) or kept.certainty[best[0]] != PASSES:
+    if not len(best) or drives.certainty[best[0]] != PASSES:
         return best[:0]
-    first, shown = rounded(rank.value), best[0]
-    better = (rank.missing <= rank.missing[shown]) & (first < first[shown])
-    rows = np.flatnonzero((kept.certainty != PASSES) & better)
-    least = [kept.certainty[rows], kept.lacking[rows]]
-    rows = rows[order(problem.catalog, kept.sets.on(rows), rank.value[rows], rank.missing[rows], before=least)]
-    motors = np.unique(kept.sets.motor[rows], return_index=True)[1]
+    first, leader = rounded(rank.value), best[0]
+    better = (rank.missing <= rank.missing[leader]) & (first < first[leader])
+    rows = np.flatnonzero((drives.certainty != PASSES) & better)
+    least = [drives.certainty[rows], drives.lacking[rows]]
+    rows = rows[order(problem.catalog, drives.sets.on(rows), rank.value[rows], rank.missing[rows], before=least)]
+    motors = np.unique(drives.sets.motor[rows], return_index=True)[1]
     return rows[np.sort(motors)[:_HELD_BACK]]

@@ -39,17 +39,17 @@ def objective_of(text: str) -> Ranking:
         raise InputError(f"objective {quoted(twice[0])} is given twice; expected each once, e.g. mass=2,price=1")
     if len(parts) == 1 and not parts[0][1]:
         return names[0]
-    found, (least, most) = [], RANGES["dimensionless"]
+    weights, (least, most) = [], RANGES["dimensionless"]
     for name, equals, weight in parts:
         try:
             value = float(weight) if equals else 1.0
         except ValueError:
             value = np.nan
         if not least <= value <= most:  # written so that NaN fails too
-            said = f"weight {quoted(weight)} is not a number above 0 ({least:g} to {most:g})"
-            raise InputError(f"objective {quoted(name)}: {said}, e.g. mass=2")
-        found.append(Weighted.model_validate({"objective": name.strip(), "weight": value}))
-    return found
+            reason = f"weight {quoted(weight)} is not a number above 0 ({least:g} to {most:g})"
+            raise InputError(f"objective {quoted(name)}: {reason}, e.g. mass=2")
+        weights.append(Weighted.model_validate({"objective": name.strip(), "weight": value}))
+    return weights
 
 
 def title_of(objective: Ranking) -> str:
@@ -68,19 +68,21 @@ def title_of(objective: Ranking) -> str:
 # is assumed where estimates count, and unknown otherwise, as its price is.
 
 
-def chosen(found: Evaluation | Drives, *, needs_encoder: bool) -> dict[str, Array]:
+def part_rows(drives: Evaluation | Drives, *, needs_encoder: bool) -> dict[str, Array]:
     """The parts that go with candidates, among the figures that objectives count."""
     return {
-        "encoder": np.where(found.encoder < 0, _UNLISTED if needs_encoder else _NEEDLESS, found.encoder).astype(float),
-        "controller": found.controller.astype(float),
-        "brake": np.where(found.brake < 0, _NEEDLESS, found.brake).astype(float),
+        "encoder": np.where(drives.encoder < 0, _UNLISTED if needs_encoder else _NEEDLESS, drives.encoder).astype(
+            float
+        ),
+        "controller": drives.controller.astype(float),
+        "brake": np.where(drives.brake < 0, _NEEDLESS, drives.brake).astype(float),
     }
 
 
-def counted_figures(found: Evaluation) -> dict[str, Array]:
+def counted_figures(evaluation: Evaluation) -> dict[str, Array]:
     """Figures that objectives count beside those of the catalogue."""
-    parts = chosen(found, needs_encoder=not found.spec.steps)
-    return {**found.figures, "margin": smallest_margin(found.checks), **parts}
+    parts = part_rows(evaluation, needs_encoder=not evaluation.spec.steps)
+    return {**evaluation.figures, "margin": smallest_margin(evaluation.checks), **parts}
 
 
 def bought(
@@ -92,8 +94,8 @@ def bought(
     end: int | None = None,
 ) -> Array:
     """A figure of the parts of each candidate: shape (parts, candidates)."""
-    found = np.zeros((len(over), len(sets.motor)))
-    for row, role in zip(found, over, strict=True):
+    figures = np.zeros((len(over), len(sets.motor)))
+    for row, role in zip(figures, over, strict=True):
         table = catalog.table(f"{role}s")
         if role in parts:
             assumed = end is not None and figure == "mass" and role in CONTROLLING
@@ -102,7 +104,7 @@ def bought(
             row[:] = np.concatenate([column, [0.0, unlisted]])[parts[role].astype(np.int64)]
         else:
             row[:] = table[figure][getattr(sets, role)]
-    return found
+    return figures
 
 
 def values(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Ranking) -> tuple[Array, Whole]:
@@ -128,10 +130,10 @@ def single(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], nam
     if not declared.over:
         value = np.where(np.isinf(figures[name]), np.nan, -figures[name]) if declared.more_is_better else figures[name]
         return np.nan_to_num(value, nan=0.0), np.isnan(value).astype(np.int64)
-    found = bought(catalog, sets, figures, declared.figure, declared.over, 0 if catalog.ends else None)
+    parts = bought(catalog, sets, figures, declared.figure, declared.over, 0 if catalog.ends else None)
     turning = [role not in CONTROLLING for role in declared.over]
-    total = np.nansum(found, 0)
-    return -total if declared.more_is_better else total, np.isnan(found[turning]).sum(0)
+    total = np.nansum(parts, 0)
+    return -total if declared.more_is_better else total, np.isnan(parts[turning]).sum(0)
 
 
 def controlling_unknown(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: str) -> Whole:
@@ -169,8 +171,8 @@ def rounded(value: Array) -> Array:
     """Values of which those that differ by rounding alone are equal."""
     with np.errstate(divide="ignore", invalid="ignore"):
         place = 10.0 ** (_DIGITS - np.ceil(np.log10(np.abs(value))))
-        found: Array = np.round(value * place) / place
-    return np.where(np.isfinite(found), found, value)
+        nearest: Array = np.round(value * place) / place
+    return np.where(np.isfinite(nearest), nearest, value)
 
 
 def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> Whole:

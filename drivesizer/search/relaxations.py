@@ -46,7 +46,8 @@ def movable(problem: Problem) -> Iterator[tuple[MovableFigure, float]]:
     spec = problem.spec
     for figure in FIGURES:
         now = next(
-            filter(None, (_given(case, figure) for case in (spec, *(case.spec for case in problem.cases)))), None
+            filter(None, (_positive_figure(case, figure) for case in (spec, *(case.spec for case in problem.cases)))),
+            None,
         )
         if now is None or (figure.path == HOLDING and not (spec.needs.hold_unpowered and now > 1.0)):
             continue  # it must hold without power, and with a factor of 1 at least
@@ -55,12 +56,12 @@ def movable(problem: Problem) -> Iterator[tuple[MovableFigure, float]]:
         yield figure, now
 
 
-def _given(spec: RobotSpec, figure: MovableFigure) -> float | None:
+def _positive_figure(spec: RobotSpec, figure: MovableFigure) -> float | None:
     """The figure where a spec has it, and of the sense that its direction means."""
-    found: Any = spec
+    value: Any = spec
     for name in figure.path:
-        found = getattr(found, name, None)
-    return found if isinstance(found, float) and found > 0.0 else None
+        value = getattr(value, name, None)
+    return value if isinstance(value, float) and value > 0.0 else None
 
 
 # -- Changes of one figure of a spec at which a drive passes: found by search, to one per cent.
@@ -94,90 +95,96 @@ def relaxations(problem: Problem, going_on: Callable[[], None] = lambda: None) -
     if not len(candidates(problem).motor):
         return ()
 
-    def best(moved: Problem) -> tuple[str, Status] | None:
-        found = best_in_machine(moved)
-        if found is None:
+    def best(variant: Problem) -> tuple[str, Status] | None:
+        drive = best_in_machine(variant)
+        if drive is None:
             raise AssertionError("a drive that passes ranks nowhere")
-        if found.status == "unknown":
-            only = _only(problem, found)
-            if _undecided(evaluate(moved, only)) - _undecided(evaluate(problem, only), or_failed=True):
+        if drive.status == "unknown":
+            only = _only(problem, drive)
+            if _undecided(evaluate(variant, only)) - _undecided(evaluate(problem, only), or_failed=True):
                 return None
-        return found.label, found.status
+        return drive.label, drive.status
 
     middle = replace(problem.catalog, ends=())
 
-    def passes(moved: Problem) -> bool:
+    def passes(variant: Problem) -> bool:
         going_on()
-        return any_in_machine(replace(moved, catalog=middle))
+        return any_in_machine(replace(variant, catalog=middle))
 
     return tuple(_helping_changes(problem, _Passing(passes, best)))
 
 
-def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
+def changes_for(problem: Problem, drive: DriveParts) -> tuple[Relaxation, ...]:
     """The changes that would let a drive pass that fails, the least first."""
-    only = _only(problem, one)
+    only = _only(problem, drive)
     now, middle = _undecided(evaluate(problem, only), or_failed=True), replace(problem.catalog, ends=())
 
-    def passes(moved: Problem) -> bool:
-        found = evaluate(replace(moved, catalog=middle), only)
-        return not found.failed[0] and _undecided(found) <= now and passes_budgets(moved, drive_parts(found, 0))
+    def passes(variant: Problem) -> bool:
+        evaluation = evaluate(replace(variant, catalog=middle), only)
+        return (
+            not evaluation.failed[0]
+            and _undecided(evaluation) <= now
+            and passes_budgets(variant, drive_parts(evaluation, 0))
+        )
 
-    def own(moved: Problem) -> tuple[str, Status]:
-        return one.label, evaluate(moved, only).status(0)
+    def own(variant: Problem) -> tuple[str, Status]:
+        return drive.label, evaluate(variant, only).status(0)
 
     if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
-        return tuple(_other_reductions(problem, one))
-    return (*_other_reductions(problem, one), *_helping_changes(problem, _Passing(passes, own)))
+        return tuple(_other_reductions(problem, drive))
+    return (*_other_reductions(problem, drive), *_helping_changes(problem, _Passing(passes, own)))
 
 
-def _only(problem: Problem, one: DriveParts) -> Candidates:
+def _only(problem: Problem, drive: DriveParts) -> Candidates:
     """One motor with its gearhead and belt."""
     motors, gearheads = problem.catalog.motors.rows, problem.catalog.gearheads.rows
-    rows = np.array([motors[one.motor.part]]), np.array([gearheads[one.gearhead.part]])
-    return Candidates(*rows, np.array([one.belt_ratio]), np.array([True]))
+    rows = np.array([motors[drive.motor.part]]), np.array([gearheads[drive.gearhead.part]])
+    return Candidates(*rows, np.array([drive.belt_ratio]), np.array([True]))
 
 
-def _undecided(found: Evaluation, *, or_failed: bool = False) -> set[str]:
+def _undecided(evaluation: Evaluation, *, or_failed: bool = False) -> set[str]:
     """Checks of one drive that figures leave unknown: no change may add to them, as a voltage beyond its parts does."""
-    checks = [check for check in found.checks if not check.advice and not check.passed[0]]
+    checks = [check for check in evaluation.checks if not check.advice and not check.passed[0]]
     checks = [check for check in checks if not np.any(check.opened)]
     return {check.name for check in checks if or_failed or not check.failed[0]}
 
 
-def tried(problem: Problem) -> tuple[str, ...]:
+def movable_names(problem: Problem) -> tuple[str, ...]:
     """Names of the figures of a spec that are moved, each alone, to look for a drive that passes."""
     ambient = [".".join(_AMBIENT)] if problem.spec.environment.ambient > _ROOM else []
     coils = [".".join(_COILS)] if problem.spec.supply.brakes is not None else []
     return (*(".".join(figure.path) for figure, _ in movable(problem)), *ambient, *coils)
 
 
-def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]:
+def _other_reductions(problem: Problem, drive: DriveParts) -> Iterator[Relaxation]:
     """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
-    if one.actuator:
+    if drive.actuator:
         return
-    select, catalog = problem.spec.select.pair_with(one.motor.part, one.gearhead.family), problem.catalog
+    select, catalog = problem.spec.select.pair_with(drive.motor.part, drive.gearhead.family), problem.catalog
     narrowed = problem.with_sections(select=select)
-    found = candidates(narrowed)
-    if not len(found.motor):
+    sets = candidates(narrowed)
+    if not len(sets.motor):
         return
-    evaluation = evaluate(narrowed, found)
+    evaluation = evaluate(narrowed, sets)
     failed = evaluation.failed
-    ratio = catalog.gearheads["ratio"][found.gearhead]
-    rows = np.flatnonzero(~failed & (found.belt == one.belt_ratio))
+    ratio = catalog.gearheads["ratio"][sets.gearhead]
+    rows = np.flatnonzero(~failed & (sets.belt == drive.belt_ratio))
     if len(rows):
-        row = rows[np.abs(np.log(ratio[rows] / one.gearhead.ratio)).argmin()]
-        other = catalog.gearheads.record(int(found.gearhead[row]))
-        label = one.label.replace(f"{one.gearhead.reduction} {one.gearhead.part}", f"{other.reduction} {other.part}")
-        share = abs(other.ratio / one.gearhead.ratio - 1.0)
+        row = rows[np.abs(np.log(ratio[rows] / drive.gearhead.ratio)).argmin()]
+        other = catalog.gearheads.record(int(sets.gearhead[row]))
+        label = drive.label.replace(
+            f"{drive.gearhead.reduction} {drive.gearhead.part}", f"{other.reduction} {other.part}"
+        )
+        share = abs(other.ratio / drive.gearhead.ratio - 1.0)
         yield Relaxation(
             field="gearhead",
-            now=one.gearhead.reduction,
+            now=drive.gearhead.reduction,
             needed=f"{other.reduction} {other.part}".strip(),
             set_label=label,
             share=share,
             kind="dimensionless",
             unit="1",
-            before=one.gearhead.ratio,
+            before=drive.gearhead.ratio,
             after=other.ratio,
             status=evaluation.status(int(row)),
         )
@@ -185,8 +192,8 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
 
 def _helping_changes(problem: Problem, passing: _Passing) -> list[Relaxation]:
     """Each figure that helps when it moves alone."""
-    found = [*_scaled(problem, passing), *_cooler(problem, passing), *_for_coils(problem, passing)]
-    return sorted(found, key=lambda r: (r.share, r.field))
+    changes = [*_scaled(problem, passing), *_cooler(problem, passing), *_for_coils(problem, passing)]
+    return sorted(changes, key=lambda r: (r.share, r.field))
 
 
 def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
@@ -216,11 +223,11 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
 
 def _entered(spec: RobotSpec, path: tuple[str, ...]) -> str:
     """A field as the user wrote it, in the spec or in its first load case that has it; empty where it is no text."""
-    for found in (spec.entered, *(spec.entered.get("cases") or ())):
+    for value in (spec.entered, *(spec.entered.get("cases") or ())):
         for name in path:
-            found = found.get(name) if isinstance(found, dict) else None
-        if isinstance(found, str):
-            return found.strip()
+            value = value.get(name) if isinstance(value, dict) else None
+        if isinstance(value, str):
+            return value.strip()
     return ""
 
 
@@ -233,9 +240,9 @@ def _read(text: str, kind: str, grade: bool) -> float:
     return atan(to_si(text, "dimensionless")) if grade else to_si(text, kind)
 
 
-def _best(passing: _Passing, moved: Problem) -> dict[str, Any]:
+def _best(passing: _Passing, variant: Problem) -> dict[str, Any]:
     """The best drive of a changed problem, as fields of a change; a status that is no pass stands behind its name."""
-    if (best := passing.best(moved)) is None:
+    if (best := passing.best(variant)) is None:
         return {}
     label, status = best
     return {"set_label": label if status == "pass" else f"{label}, {status}", "status": status}
@@ -244,8 +251,8 @@ def _best(passing: _Passing, moved: Problem) -> dict[str, Any]:
 def _together(problem: Problem, path: tuple[str, ...]) -> str:
     """Words on the limits of a supply's voltage that move with it, where they are given."""
     supply = problem.spec.supply
-    given = [name for name in ("min", "max") if path == ("supply", "nominal") and getattr(supply, name) is not None]
-    return f" ({' and '.join(given)} in proportion)" if given else ""
+    limits = [name for name in ("min", "max") if path == ("supply", "nominal") and getattr(supply, name) is not None]
+    return f" ({' and '.join(limits)} in proportion)" if limits else ""
 
 
 def _passes_at(problem: Problem, passing: _Passing, path: tuple[str, ...], now: float, factor: float) -> bool:
@@ -284,8 +291,8 @@ def _for_coils(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
     if now is None:
         return
     for coil in sorted(coils[coils > 0.0].tolist(), key=lambda volts: max(volts / now, now / volts)):
-        moved = _changed(problem, _COILS, coil / now)
-        if passing.any(moved) and (best := _best(passing, moved)):
+        variant = _changed(problem, _COILS, coil / now)
+        if passing.any(variant) and (best := _best(passing, variant)):
             yield Relaxation(
                 field=".".join(_COILS), now=show(now, "V", "voltage"), needed=show(coil, "V", "voltage"),
                 share=abs(coil / now - 1.0), kind="voltage", unit="V", before=now, after=coil, **best,
@@ -297,14 +304,14 @@ def _changed(problem: Problem, path: tuple[str, ...], factor: float) -> Problem:
     """The problem with one figure times a factor in every load case; of the supply all voltages move together."""
     names = ("nominal", "min", "max") if path == ("supply", "nominal") else path[1:]
 
-    def moved(spec: RobotSpec) -> RobotSpec:
+    def scaled(spec: RobotSpec) -> RobotSpec:
         section = getattr(spec, path[0])
         if section is None:  # as the motion of a wheel on a trajectory
             return spec.model_copy()
         update = {name: getattr(section, name) * factor for name in names if getattr(section, name, None) is not None}
         return spec.model_copy(update={path[0]: section.model_copy(update=update)})
 
-    return changed(problem, moved)
+    return changed(problem, scaled)
 
 
 def _least_change(passes: Callable[[float], bool], direction: int) -> float | None:

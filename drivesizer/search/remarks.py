@@ -48,9 +48,9 @@ def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> 
 
 def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: of a part that the method leaves out, of limits of the best drive."""
-    found = picked.found
-    weighed = (picked.machine.budget(found.evaluation, row) for row in picked.short)
-    budgets = shortfall(weighed, found.better, any_passes=bool(found.passing))
+    result = picked.found
+    weighed = (picked.machine.budget(result.evaluation, row) for row in picked.short)
+    budgets = shortfall(weighed, result.better, any_passes=bool(result.passing))
     return (
         *_mains(picked.problem.machine),
         *picked.weighed,
@@ -65,16 +65,16 @@ def _data_remarks(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
     """Motors whose figures are of a temperature that nobody states, and parts without an ambient range; by physics."""
     if spec.method != "physics":
         return ()
-    given = tuple(sets)
-    stated = unstated_temperature(s.motor.part for s in given if isnan(s.motor.data_temperature))
-    return (*stated, *unstated_ambient(given), *unstated_supply(given))
+    drives = tuple(sets)
+    stated = unstated_temperature(s.motor.part for s in drives if isnan(s.motor.data_temperature))
+    return (*stated, *unstated_ambient(drives), *unstated_supply(drives))
 
 
 def nearest_figures(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
     """Parts that have figures at several voltages, none of them that of the supply."""
     volts = spec.supply.nominal
     rows = (s.motor for s in sets if s.motor.order_number and not math.isclose(s.motor.nominal_voltage, volts))
-    nearest = {one.order_number: show(one.nominal_voltage, "V", "voltage") for one in rows}
+    nearest = {motor.order_number: show(motor.nominal_voltage, "V", "voltage") for motor in rows}
     return tuple(
         f"the figures of {part} are those at {own}, of those of its maker the nearest to {show(volts, 'V', 'voltage')}"
         for part, own in nearest.items()
@@ -89,10 +89,8 @@ def _mains(spec: RobotSpec) -> tuple[str, ...]:
     volts = spec.supply.nominal
     if spec.battery or spec.supply.kind == "battery" or volts not in _MAINS:
         return ()
-    said, rectified = show(volts, "V", "voltage"), show(math.sqrt(2.0) * volts, "V", "voltage", 3)
-    return (
-        f"supply.nominal {said} is the direct voltage at the controllers; mains of {said}, rectified, give {rectified}",
-    )
+    U, rectified = show(volts, "V", "voltage"), show(math.sqrt(2.0) * volts, "V", "voltage", 3)
+    return (f"supply.nominal {U} is the direct voltage at the controllers; mains of {U}, rectified, give {rectified}",)
 
 
 def _waits(spec: RobotSpec) -> tuple[str, ...]:
@@ -151,9 +149,9 @@ def _best_drive_warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple
     sentences += _idle_gearhead(picked, best)
     figures = {figure.name: figure for figure in best.figures}
     if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
-        both = figures["current_limit"].text, figures["peak_current"].text
+        currents = figures["current_limit"].text, figures["peak_current"].text
         sentences.append(
-            f"the current limit that protects the gearhead at a jam is {both[0]}, the cycle takes {both[1]}"
+            f"the current limit that protects the gearhead at a jam is {currents[0]}, the cycle takes {currents[1]}"
         )
     if spec.method == "paper" and best.motor.nominal_voltage > spec.supply.highest:
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
@@ -166,29 +164,29 @@ _SHARES = np.linspace(0.05, 0.95, 19)  # of gearheads of a kind, with less frict
 
 def _idle_gearhead(picked: Shortlist, best: DriveSet) -> Iterable[str]:
     """A warning where friction of the gearhead without load, which is not printed, decides of checks."""
-    low, usual, high = (float(one) for one in usual_idle(best.gearhead))
+    low, usual, high = (float(torque) for torque in usual_idle(best.gearhead))
     if picked.problem.spec.method != "physics" or isnan(usual) or not isnan(best.gearhead.no_load_torque) or best.steps:
         return
     row = next(iter((*picked.best, *picked.unsure)))
-    one, evaluation = picked.found.evaluation.chosen(np.array([row])), picked.found.evaluation
+    drive, evaluation = picked.found.evaluation.chosen(np.array([row])), picked.found.evaluation
     idle = lognormal(low, usual, high, np.array([NormalDist().inv_cdf(share) for share in _SHARES]))
     names = {check.name for check in best.own_checks if check.status == "pass"}
     values = {("gearheads", "no_load_torque"): idle}
-    found = drives_at_points(evaluation.problem, one, [{}], len(idle), names, values)
-    decided = [check for check in found.checks if check.name in names and check.failed[-1] and not check.advice]
+    samples = drives_at_points(evaluation.problem, drive, [{}], len(idle), names, values)
+    decided = [check for check in samples.checks if check.name in names and check.failed[-1] and not check.advice]
     if not decided:
         return
     ends = [show(torque, "mN*m", "torque", 2) for torque in (low, high)]
     passes = f"{np.logical_and.reduce([check.passed for check in decided]).mean():.0%}".replace("%", " %")
-    said, cases = [], tuple(case.name for case in evaluation.problem.cases)
+    notes, cases = [], tuple(case.name for case in evaluation.problem.cases)
     for check in decided:
         least, most = (check.at(end, "physics", cases=cases) for end in (0, -1))
         figures = [show(x, most.unit, most.kind, 3) for x in (least.demand, most.demand, most.limit)]
         margin = f" with {show(most.needed, '%', 'dimensionless')} of margin" if most.needed else ""
-        said.append("{} {} to {} of {}".format(most.title, *figures) + margin)
+        notes.append("{} {} to {} of {}".format(most.title, *figures) + margin)
     yield (
         "friction of the best drive's gearhead without load is not printed; with what is usual of its kind, "
-        f"{ends[0]} to {ends[1]} at its input, the drive passes with {passes}: {'; '.join(said)}"
+        f"{ends[0]} to {ends[1]} at its input, the drive passes with {passes}: {'; '.join(notes)}"
     )
 
 
@@ -222,8 +220,8 @@ def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[st
     if not needs:
         return []
     (first, needed), *others = needs
-    value, best = (objective_figure(one, objective).text for one in (first, sets[0]))
-    also = ", ".join(f"{one.label} with {objective_figure(one, objective).text}" for one, _ in others)
+    value, best = (objective_figure(drive, objective).text for drive in (first, sets[0]))
+    also = ", ".join(f"{drive.label} with {objective_figure(drive, objective).text}" for drive, _ in others)
     return [
         f"{first.label}, {value} against {best}, would be the first were its figures known: "
         f"{needed}{f'; so would {also}' if also else ''}"

@@ -50,7 +50,7 @@ class _Case(NamedTuple):
     force: Ends  # N, on the nut of one screw
 
 
-class _Tried(NamedTuple):
+class _Trial(NamedTuple):
     """A lead with its screw and the best drive for it."""
 
     problem: Problem
@@ -75,17 +75,17 @@ def problem_with_screw(spec: RobotSpec, catalog: Catalog) -> tuple[Problem, tupl
             leads.setdefault(reason, []).append(f"{lead * 1e3:.4g}")
         reasons = "; ".join(f"{', '.join(several)} mm ({reason})" for reason, several in leads.items())
         raise InputError(f"{spec.where(('load', 'screw'))}: no screw holds: the leads {reasons}")
-    tried = []
+    trials = []
     for screw in screws:
-        one = replace(problem(with_screw(spec, screw), catalog), screw=chosen_of(spec, screw))
-        tried.append(_Tried(one, best_in_machine(one)))
-    able = [one for one in tried if one.best is not None]
-    best = able[_best_of(able)].problem if able else max((one.problem for one in tried), key=_nearness)
-    rows = [TriedScrew(lead=lead, failed=reason) for lead, reason in failed.items()] + [one.row for one in tried]
+        variant = replace(problem(with_screw(spec, screw), catalog), screw=chosen_of(spec, screw))
+        trials.append(_Trial(variant, best_in_machine(variant)))
+    able = [trial for trial in trials if trial.best is not None]
+    best = able[_best_of(able)].problem if able else max((trial.problem for trial in trials), key=_nearness)
+    rows = [TriedScrew(lead=lead, failed=reason) for lead, reason in failed.items()] + [trial.row for trial in trials]
     rows.sort(key=lambda row: row.lead)
     assert best.screw is not None
-    said = f"a screw of each of {len(rows)} leads was tried with its best drive; --checks and reports list them"
-    return replace(best, screw=replace(best.screw, tried=tuple(rows))), (said,) * (len(rows) > 1)
+    note = f"a screw of each of {len(rows)} leads was tried with its best drive; --checks and reports list them"
+    return replace(best, screw=replace(best.screw, tried=tuple(rows))), (note,) * (len(rows) > 1)
 
 
 def _smallest_by_lead(spec: RobotSpec, catalog: Catalog) -> tuple[list[Part], dict[float, str]]:
@@ -94,12 +94,12 @@ def _smallest_by_lead(spec: RobotSpec, catalog: Catalog) -> tuple[list[Part], di
     And of leads without any the limit that most of their screws fail.
     """
     rows, table, cases = _allowed(spec, catalog), catalog.screws, list[_Case]()
-    for one in (case for _, case in spec.load_cases if leaves_open(case)):
-        load: Any = one.load
-        moved = sprung(one, course(profile_of(one)))
-        force = force_along(moved, load, one.environment.gravity, load.mass) / load.motors
-        cases.append(_Case(one, moved, force))
-    found, failed = list[Part](), dict[float, str]()
+    for case in (case for _, case in spec.load_cases if leaves_open(case)):
+        load: Any = case.load
+        motion = sprung(case, course(profile_of(case)))
+        force = force_along(motion, load, case.environment.gravity, load.mass) / load.motors
+        cases.append(_Case(case, motion, force))
+    screws, failed = list[Part](), dict[float, str]()
     for lead in np.unique(table["lead"][rows]).tolist():
         same = rows[table["lead"][rows] == lead]
         smallest = np.lexsort((table["part"][same], table["dynamic_load"][same], table["diameter"][same]))
@@ -110,28 +110,28 @@ def _smallest_by_lead(spec: RobotSpec, catalog: Catalog) -> tuple[list[Part], di
             if fails:
                 failing[fails] += 1
             elif not lacks:
-                found.append(screw)
+                screws.append(screw)
                 break
             elif unknown is None:
                 unknown = screw
         else:
             if unknown is not None:
-                found.append(unknown)
+                screws.append(unknown)
             else:
                 failed[lead] = failing.most_common(1)[0][0]
-    return found, failed
+    return screws, failed
 
 
 def _outcome(screw: Part, cases: Sequence[_Case]) -> tuple[str, bool]:
     """The first limit that a screw fails, and whether one is unknown."""
     lacks = False
-    for spec, moved, force in cases:
+    for spec, motion, force in cases:
         load: Any = spec.load
         load = load.model_copy(update=screw_figures(load, screw))
         if load.efficiency is None and load.thread_friction is None:
             return "efficiency unknown", False
         with located(spec):
-            limits = own_limits(load, moved, force)
+            limits = own_limits(load, motion, force)
         for own in limits:
             check = own_limit(spec, own)
             if check is not None and check.failed.any():
@@ -148,10 +148,10 @@ def _allowed(spec: RobotSpec, catalog: Catalog) -> Whole:
     of_kind = np.isin(table["kind"], _KINDS[load.kind]) & ~table.excluded
     good = of_kind & (table["lead"] > 0.0)
     for name, column in (("maker", "manufacturer"), ("family", "family"), ("part", "part")):
-        wanted = getattr(choice, name)
-        if wanted is not None:
+        patterns = getattr(choice, name)
+        if patterns is not None:
             texts = np.char.lower(table[column])
-            good &= np.array([any(fnmatch.fnmatchcase(str(t), w.lower()) for w in wanted) for t in texts], bool)
+            good &= np.array([any(fnmatch.fnmatchcase(str(t), w.lower()) for w in patterns) for t in texts], bool)
     for name in ("diameter", "lead"):
         most = getattr(choice, f"{name}_max")
         good &= table[name] >= (getattr(choice, f"{name}_min") or 0.0) * (1.0 - 1e-9)
@@ -167,27 +167,27 @@ def _allowed(spec: RobotSpec, catalog: Catalog) -> Whole:
     return np.flatnonzero(good)
 
 
-def _best_of(able: Sequence[_Tried]) -> int:
+def _best_of(able: Sequence[_Trial]) -> int:
     """The best lead: by the status of its drive, objectives of which the screw's share is unknown, the objective, size.
 
     Mass and price count with the screw's as far as that is known, as shares of the least.
     """
-    best: list[Any] = [one.best for one in able]
-    screws: list[Any] = [one.problem.screw for one in able]
+    best: list[Any] = [trial.best for trial in able]
+    screws: list[Any] = [trial.problem.screw for trial in able]
     value, unknown = np.zeros(len(able)), np.zeros(len(able))
     for name, weight in able[0].problem.spec.select.weights.items():
         own = np.array([{"mass": s.least_mass, "price": s.screw.price}.get(name, 0.0) for s in screws])
-        figures = np.array([objective_figure(one, name).value for one in best]) + np.nan_to_num(own)
+        figures = np.array([objective_figure(drive, name).value for drive in best]) + np.nan_to_num(own)
         if OBJECTIVES[name].more_is_better:
             figures = 1.0 / np.maximum(1.0 + figures, 1e-9)
         least = np.nanmin(figures, initial=inf)
         value += weight * np.nan_to_num(figures / least if 0.0 < least < inf else figures, nan=1e9)
         unknown += np.isnan(own)
-    certain, size = [_CERTAIN.index(one.status) for one in best], np.array([one.least_mass for one in screws])
+    certain, size = [_CERTAIN.index(drive.status) for drive in best], np.array([screw.least_mass for screw in screws])
     return int(np.lexsort(np.array([size, value, unknown, certain]))[0])
 
 
-def _nearness(one: Problem) -> float:
+def _nearness(variant: Problem) -> float:
     """The smallest margin of the closest rejected drive."""
-    found = search(one, top=1, misses=1).evaluation
-    return float(smallest_margin(found.checks)[0]) if len(found.candidates.motor) else -inf
+    evaluation = search(variant, top=1, misses=1).evaluation
+    return float(smallest_margin(evaluation.checks)[0]) if len(evaluation.candidates.motor) else -inf

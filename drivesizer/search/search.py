@@ -96,37 +96,41 @@ def search(
     """Search all candidates in the order of the objective that the problem's spec has."""
     catalog, by_paper = problem.catalog, problem.spec.method == "paper"
     if by_paper:
-        found, counts = _by_the_paper(problem, misses is not None)
+        in_order, counts = _by_the_paper(problem, misses is not None)
     else:
         alone = not (judge or pareto or others)  # then no more than the first are looked at
-        found, counts = _by_physics(
+        in_order, counts = _by_physics(
             problem, top, misses, pareto, progress, margins, others, 4 * top if judge else top, alone
         )
-    drives, order, at = found.drives, found.order, found.at
-    kept = ordered_in_machine(judge, drives.sets, at, order, len(order) if pareto else top)
-    best, short, front = kept.best[:top], kept.rejected[:top], order[:0]
+    drives, order, at = in_order.drives, in_order.order, in_order.at
+    in_budget = ordered_in_machine(judge, drives.sets, at, order, len(order) if pareto else top)
+    best, short, front = in_budget.best[:top], in_budget.rejected[:top], order[:0]
     if pareto:
-        of_best = {name: column[kept.best] for name, column in drives.figures.items()}
-        front = kept.best[ranking.front(catalog, drives.sets.on(kept.best), of_best, pareto)]
+        of_best = {name: column[in_budget.best] for name, column in drives.figures.items()}
+        front = in_budget.best[ranking.front(catalog, drives.sets.on(in_budget.best), of_best, pareto)]
     closest = misses or 0
     if misses is not None and not len(order if by_paper else best):  # a budget of the machine may reject all
         closest = top
     elif by_paper:
         closest = min(closest, max(top - len(best), 0))
-    held = order[:0] if by_paper else better_but_unknown(problem, drives, found.rank, best)
-    unlike = _best_of_other_families(problem, judge, found, best[:1], others)
-    shown = [but_for(rows, best) for rows in (front, short, held, unlike)]
-    few = np.concatenate([best, found.rejected(closest), *shown])
+    held_back = order[:0] if by_paper else better_but_unknown(problem, drives, in_order.rank, best)
+    unlike = _best_of_other_families(problem, judge, in_order, best[:1], others)
+    further = [but_for(rows, best) for rows in (front, short, held_back, unlike)]
+    few = np.concatenate([best, in_order.rejected(closest), *further])
     places = {int(row): n for n, row in enumerate(few)}
-    front_, short_, held_, others_ = (tuple(places[int(row)] for row in rows) for rows in (front, short, held, unlike))
+    front_, short_, held_, others_ = (
+        tuple(places[int(row)] for row in rows) for rows in (front, short, held_back, unlike)
+    )
     counts = replace(
-        counts, feasible=counts.feasible - len(kept.rejected), judged=kept.judged,
-        passing=counts.passing - int(drives.passes[kept.rejected].sum()),
-        failed_by_budget={name: count for name, count in kept.by.items() if count},
+        counts, feasible=counts.feasible - len(in_budget.rejected), judged=in_budget.judged,
+        passing=counts.passing - int(drives.passes[in_budget.rejected].sum()),
+        failed_by_budget={name: count for name, count in in_budget.by.items() if count},
     )  # fmt: skip
-    better = int(np.argmax(order == kept.best[0])) if len(kept.best) else len(kept.rejected)  # all before were judged
+    better = (
+        int(np.argmax(order == in_budget.best[0])) if len(in_budget.best) else len(in_budget.rejected)
+    )  # all before were judged
     return SearchResult(
-        at(few), len(best), counts, front_, short_, better, held_, others_, found, best
+        at(few), len(best), counts, front_, short_, better, held_, others_, in_order, best
     )  # fmt: skip
 
 
@@ -137,11 +141,11 @@ def any_drive(problem: Problem, judge: Judge | None) -> bool:
         return search(problem, top=1, misses=None, judge=judge).passing > 0
     if judge is None:
         return any_passes(problem)
-    kept, _, _ = sifted(problem, known=problem.spec.select.unknown == "reject")
-    value = ranking.values(problem.catalog, kept.sets, kept.figures, _QUICK)
-    order = ranking.order(problem.catalog, kept.sets, *value, before=[kept.certainty])
-    found = ordered_in_machine(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows)), order, 1)
-    return len(found.best) > 0
+    drives, _, _ = sifted(problem, known=problem.spec.select.unknown == "reject")
+    value = ranking.values(problem.catalog, drives.sets, drives.figures, _QUICK)
+    order = ranking.order(problem.catalog, drives.sets, *value, before=[drives.certainty])
+    in_budget = ordered_in_machine(judge, drives.sets, lambda rows: by_physics(problem, drives.sets.on(rows)), order, 1)
+    return len(in_budget.best) > 0
 
 
 def _by_the_paper(problem: Problem, rejected: bool) -> tuple[InOrder, Counts]:
@@ -152,74 +156,76 @@ def _by_the_paper(problem: Problem, rejected: bool) -> tuple[InOrder, Counts]:
     else:  # of few the same record again, which variants of a spec have in common
         key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
         sets = catalog.once(key, lambda: candidates(problem), of)
-    found = evaluate(problem, sets, rejected=rejected)  # of the rejected perhaps not all
-    margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
-    each = np.array([check.failed for check in found.checks])
-    figures = {"margin": margin, **ranking.chosen(found, needs_encoder=True)}
-    value, missing = ranking.values(catalog, found.candidates, figures, problem.spec.select.objective)
-    before = [np.where(failed, 2, unknown), np.where(failed, -margin, 0.0), np.where(failed, each.sum(axis=0), 0)]
-    order = ranking.order(catalog, found.candidates, value, missing, margin=margin, before=before)
+    evaluation = evaluate(problem, sets, rejected=rejected)  # of the rejected perhaps not all
+    margin, failed, unknown = smallest_margin(evaluation.checks), evaluation.failed, evaluation.unknown
+    fails = np.array([check.failed for check in evaluation.checks])
+    figures = {"margin": margin, **ranking.part_rows(evaluation, needs_encoder=True)}
+    value, missing = ranking.values(catalog, evaluation.candidates, figures, problem.spec.select.objective)
+    before = [np.where(failed, 2, unknown), np.where(failed, -margin, 0.0), np.where(failed, fails.sum(axis=0), 0)]
+    order = ranking.order(catalog, evaluation.candidates, value, missing, margin=margin, before=before)
     passes = ~failed if unknown_passes else ~failed & ~unknown
     rows, count = np.concatenate([order[passes[order]], order[~passes[order]]]), int(passes.sum())
     few, certainty = rows[:count], UNKNOWN * unknown[rows[:count]]
     drives = Passing(
-        found.candidates.on(few), certainty, {name: x[few] for name, x in figures.items()}, certainty, margin[few],
+        evaluation.candidates.on(few), certainty, {name: x[few] for name, x in figures.items()}, certainty, margin[few],
         ~unknown[few],
     )  # fmt: skip
-    tally = {check.name: n for check, n in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if n}
+    tally = {check.name: n for check, n in zip(evaluation.checks, fails.sum(axis=1).tolist(), strict=True) if n}
     counts = Counts(
         considered=len(sets.motor), feasible=count, passing=int((~failed & ~unknown).sum()),
         left_out=int(np.count_nonzero(~failed & ~passes)), failed_by=tally,
     )  # fmt: skip
-    rank, every = Rank(certainty, missing[few], value[few]), np.arange(len(rows))
-    at, closest = (lambda some: found.on(rows[some])), (lambda number: every[count:][:number])
-    return InOrder(drives, rank, every[:count], at, closest), counts
+    rank, places = Rank(certainty, missing[few], value[few]), np.arange(len(rows))
+    at, closest = (lambda subset: evaluation.on(rows[subset])), (lambda number: places[count:][:number])
+    return InOrder(drives, rank, places[:count], at, closest), counts
 
 
 def _by_physics(
     problem: Problem, top: int, misses: int | None, pareto: Sequence[str], progress: Progress | None, margins: bool,
-    others: int, wanted: int, alone: bool,
+    others: int, enough: int, alone: bool,
 ) -> tuple[InOrder, Counts]:  # fmt: skip
     """All candidates by physics; of the drives that are equal to the last shown margins decide."""
-    kept, rejected, counts = sifted(
-        problem, pareto=pareto, progress=progress, margins=margins, wanted=0 if pareto else wanted,
+    drives, rejected, counts = sifted(
+        problem, pareto=pareto, progress=progress, margins=margins, enough=0 if pareto else enough,
         known=misses is None and problem.spec.select.unknown == "reject",
     )  # fmt: skip
-    catalog, rank, count = problem.catalog, ranked(problem, kept, top), len(kept.passes)
-    order = rank.order(catalog, kept.sets)
+    catalog, rank, count = problem.catalog, ranked(problem, drives, top), len(drives.passes)
+    order = rank.order(catalog, drives.sets)
     failing = count + np.arange(len(rejected.motor))
     few = len(failing) <= waveforms(problem)
-    in_full = InFull(problem, joined([kept.sets, rejected]))
+    in_full = InFull(problem, joined([drives.sets, rejected]))
 
     def closest(number: int) -> Whole:
         """The rejected by the share that they have of what is required, then by the number of failed checks."""
         if not number or not len(failing):
             return failing[:0]
         # of a long cycle by bounds, where these decide
-        found = in_full.at(failing) if few else by_physics(problem, rejected, "open")
+        evaluation = in_full.at(failing) if few else by_physics(problem, rejected, "open")
         none = np.zeros(len(failing))
-        checks = [check for check in found.checks if not check.advice]
+        checks = [check for check in evaluation.checks if not check.advice]
         short = [np.where(c.failed, (1.0 + np.nan_to_num(c.margin, nan=-1.0)) / (1.0 + c.needed), 1.0) for c in checks]
         fails = np.sum([check.failed for check in checks], axis=0)
         least = np.where(fails > 0, np.minimum.reduce(short), -np.inf)  # what is undecided in full stands last
         before = [ranking.rounded(-least), fails]
-        return failing[ranking.order(catalog, found.candidates, none, none.astype(np.int64), before=before)][:number]
+        return failing[ranking.order(catalog, evaluation.candidates, none, none.astype(np.int64), before=before)][
+            :number
+        ]
 
     if len(order):
         columns = rank.columns[:, order]
         same = (columns == columns[:, [min(top, len(order)) - 1]]).all(axis=0)
         tied, rest = np.split(order, [min(int(np.flatnonzero(same)[-1]) + 1, max(waveforms(problem), top))])
         # what may be shown and is not among the first: one that is held back, and drives of other motor families
-        beside = [better_but_unknown(problem, kept, rank, order[:1])]
+        further = [better_but_unknown(problem, drives, rank, order[:1])]
         if others:
-            family = family_of(catalog, kept.sets.motor[order])
-            beside += [_alike(order, family, n, columns) for n in family_firsts(family)[: others + 1].tolist()]
-        also = but_for(np.unique(np.concatenate(beside)), tied)
+            family = family_of(catalog, drives.sets.motor[order])
+            further += [_alike(order, family, n, columns) for n in family_firsts(family)[: others + 1].tolist()]
+        also = but_for(np.unique(np.concatenate(further)), tied)
         also = also if len(tied) + len(also) <= waveforms(problem) else order[:0]
         near = failing if misses and few else failing[:0]
-        tied = in_full.by_margin(kept, rank, tied, top if alone else len(tied), np.concatenate([also, near]))
+        tied = in_full.by_margin(drives, rank, tied, top if alone else len(tied), np.concatenate([also, near]))
         order = np.concatenate([tied, rest])
-    return InOrder(kept, rank, order, in_full.at, closest), counts
+    return InOrder(drives, rank, order, in_full.at, closest), counts
 
 
 class InFull:
@@ -231,23 +237,23 @@ class InFull:
 
     def at(self, rows: Whole) -> Evaluation:
         """Some drives, out of an evaluation where all of them are in it."""
-        wanted = rows.tolist()
-        for places, found in self.known:
-            if len(wanted) <= len(places) and all(row in places for row in wanted):
-                return found.on(np.array([places[row] for row in wanted], np.int64))
-        found = by_physics(self.problem, self.sets.on(rows))
-        if len(wanted) <= _KEPT:
-            self.known.append(({row: n for n, row in enumerate(wanted)}, found))
-        return found
+        numbers = rows.tolist()
+        for places, evaluation in self.known:
+            if len(numbers) <= len(places) and all(row in places for row in numbers):
+                return evaluation.on(np.array([places[row] for row in numbers], np.int64))
+        evaluation = by_physics(self.problem, self.sets.on(rows))
+        if len(numbers) <= _KEPT:
+            self.known.append(({row: n for n, row in enumerate(numbers)}, evaluation))
+        return evaluation
 
-    def by_margin(self, kept: Passing, rank: Rank, rows: Whole, top: int, also: Whole) -> Whole:
+    def by_margin(self, drives: Passing, rank: Rank, rows: Whole, top: int, also: Whole) -> Whole:
         """Drives in order of their margins too, as far as the first need it; others are computed with them."""
         catalog, size = self.problem.catalog, max(_FEW, 2 * top)
-        rows = rows[rank.order(catalog, kept.sets, rows, kept.most[rows])]  # the largest possible margins first
+        rows = rows[rank.order(catalog, drives.sets, rows, drives.most[rows])]  # the largest possible margins first
         while True:
-            margin, some = kept.most[rows], rows[:size]
-            margin[:size] = smallest_margin(self.at(np.concatenate([some, also])).checks)[: len(some)]
-            order = rank.order(catalog, kept.sets, rows, margin)
+            margin, few = drives.most[rows], rows[:size]
+            margin[:size] = smallest_margin(self.at(np.concatenate([few, also])).checks)[: len(few)]
+            order = rank.order(catalog, drives.sets, rows, margin)
             if size >= len(rows) or (order[:top] < size).all():
                 return rows[order]
             size = len(rows)
@@ -257,23 +263,23 @@ class InFull:
 
 
 def ordered_in_machine(
-    judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: Whole, wanted: int
+    judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: Whole, number: int
 ) -> BudgetFilter:
     """The drives in order that pass the machine's budgets, until so many are found or none is left."""
     if judge is None:
         return BudgetFilter(order, order[:0], 0, Counter())
     best, rejected, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
-    while start < len(order) and sum(map(len, best)) < wanted:
+    while start < len(order) and sum(map(len, best)) < number:
         rows = order[start : start + size]
-        found = judge(sets.on(rows), partial(_some, evaluated, rows), wanted - sum(map(len, best)))
-        best.append(rows[found.best])
-        rejected.append(rows[found.rejected])
-        by.update(found.by)
-        start, size = start + found.judged, min(16 * size, _MOST)
+        in_budget = judge(sets.on(rows), partial(_of_rows, evaluated, rows), number - sum(map(len, best)))
+        best.append(rows[in_budget.best])
+        rejected.append(rows[in_budget.rejected])
+        by.update(in_budget.by)
+        start, size = start + in_budget.judged, min(16 * size, _MOST)
     return BudgetFilter(np.concatenate(best), np.concatenate(rejected), start, by)
 
 
-def _some(evaluated: Evaluated, rows: Whole, few: Whole) -> Evaluation:
+def _of_rows(evaluated: Evaluated, rows: Whole, few: Whole) -> Evaluation:
     return evaluated(rows[few])
 
 
@@ -309,19 +315,23 @@ def _alike(order: Whole, family: Whole, place: int, columns: Array) -> Whole:
     return order[same][:_ALIKE]
 
 
-def _best_of_other_families(problem: Problem, judge: Judge | None, found: InOrder, best: Whole, wanted: int) -> Whole:
+def _best_of_other_families(
+    problem: Problem, judge: Judge | None, in_order: InOrder, best: Whole, number: int
+) -> Whole:
     """The best drive of each other motor family than that of the best; of those that rank alike the largest margin."""
-    if not wanted or not len(best):
+    if not number or not len(best):
         return best[:0]
-    sets, motors = found.drives.sets, found.drives.sets.motor
+    sets, motors = in_order.drives.sets, in_order.drives.sets.motor
     by_margin = problem.spec.method == "paper" or waveforms(problem) > 0
-    order = found.order[family_of(problem.catalog, motors[found.order]) != family_of(problem.catalog, motors[best])]
-    family, columns = family_of(problem.catalog, motors[order]), found.rank.columns[:, order]
-    firsts = ordered_in_machine(judge, sets, found.at, order[family_firsts(family)], wanted).best[:wanted]
+    order = in_order.order[
+        family_of(problem.catalog, motors[in_order.order]) != family_of(problem.catalog, motors[best])
+    ]
+    family, columns = family_of(problem.catalog, motors[order]), in_order.rank.columns[:, order]
+    firsts = ordered_in_machine(judge, sets, in_order.at, order[family_firsts(family)], number).best[:number]
     for n, row in enumerate(firsts):
         alike = _alike(order, family, int(np.flatnonzero(order == row)[0]), columns)
         if by_margin and len(alike) > 1:
-            margin = ranking.rounded(smallest_margin(found.at(alike).checks))
+            margin = ranking.rounded(smallest_margin(in_order.at(alike).checks))
             alike = alike[np.argsort(-margin, kind="stable")]
-            firsts[n] = ordered_in_machine(judge, sets, found.at, alike, 1).best[0]
+            firsts[n] = ordered_in_machine(judge, sets, in_order.at, alike, 1).best[0]
     return firsts

@@ -33,7 +33,7 @@ from drivesizer.search.columns.controllers import none_suits
 from drivesizer.search.columns.evaluation import Evaluation, evaluate, smallest_margin
 from drivesizer.search.columns.shaft_limits import life_of_gearheads, shaft_loads
 from drivesizer.search.open_checks import estimated, resolved_checks
-from drivesizer.search.ranking import CONTROLLING, bought, chosen
+from drivesizer.search.ranking import CONTROLLING, bought, part_rows
 from drivesizer.spec.drive import OBJECTIVES
 
 TABLES = (*listed("drivesizer.search", "tables.txt"),)
@@ -81,10 +81,10 @@ def drive_set(
     checks, probability = resolved_checks(evaluation, index)
     guessed = estimated(evaluation, index)
     checks, beside = (
-        with_origins(some, parts, evaluation.catalog, guessed)
-        for some in (tuple(_why_none(evaluation, index, checks)), beside)
+        with_origins(group, parts, evaluation.catalog, guessed)
+        for group in (tuple(_why_none(evaluation, index, checks)), beside)
     )
-    checks = tuple(replace(one, unit=parts.currency) if one.kind == "price" else one for one in checks)
+    checks = tuple(replace(check, unit=parts.currency) if check.kind == "price" else check for check in checks)
     problem, returned = evaluation.problem, evaluation.figures.get("returned")
     braking, pieces = budget.braking, list[MotorPiece]()
     limited = problem.machine.limits_the_bus or returned is None or not returned[index] > 0.0
@@ -160,16 +160,16 @@ def _sums(evaluation: Evaluation, index: int, parts: DriveParts) -> dict[str, An
     return of_parts | masses | {"objective": value, "objective_of": value_of}
 
 
-def _summed(evaluation: Evaluation, index: int, one: DriveParts, objective: str) -> tuple[float, tuple[str, ...]]:
+def _summed(evaluation: Evaluation, index: int, drive: DriveParts, objective: str) -> tuple[float, tuple[str, ...]]:
     """The sum of what is known, and of which parts; unknown where it is of neither motor nor gearhead."""
     declared, end = OBJECTIVES[objective], 0 if evaluation.catalog.ends else None
-    parts = chosen(evaluation, needs_encoder=not evaluation.spec.steps)
+    parts = part_rows(evaluation, needs_encoder=not evaluation.spec.steps)
     sets, parts = on((evaluation.candidates, parts), np.array([index]))
-    every = bought(evaluation.catalog, sets, parts, declared.figure, declared.over, end)[:, 0]
-    values = dict(zip(declared.over, every.tolist(), strict=True))
-    if one.actuator:  # the figures of a motor inside are those of the whole
+    figures = bought(evaluation.catalog, sets, parts, declared.figure, declared.over, end)[:, 0]
+    values = dict(zip(declared.over, figures.tolist(), strict=True))
+    if drive.actuator:  # the figures of a motor inside are those of the whole
         values["actuator"] = values.pop("motor")
-    known = {role: values[role] for role in one.parts if role in values and not math.isnan(values[role])}
+    known = {role: values[role] for role in drive.parts if role in values and not math.isnan(values[role])}
     return (sum(known.values()), tuple(known)) if known.keys() - set(CONTROLLING) else (math.nan, ())
 
 
@@ -208,12 +208,12 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         return figures_of(("cycle", "stepper"), values | _of_stepper(problem, parts))
     still = next((case for case in problem.cases if not case.at_belt.acts[SPEED]), None)
     if still is not None:  # the first load case in which nothing moves
-        held = warm_up(set_cycle(still.spec, parts, still.at_belt))
-        ends = (held.highest[0], held.housing[1], held.housing_in_cycle.max()) if held else (math.nan,) * 3
+        warming = warm_up(set_cycle(still.spec, parts, still.at_belt))
+        ends = (warming.highest[0], warming.housing[1], warming.housing_in_cycle.max()) if warming else (math.nan,) * 3
         values |= zip(("hold_winding_cold", "hold_housing_cold", "hold_housing"), ends, strict=True)
     stop, linear = _of_brake(problem, parts)
-    wanted = problem.spec.needs.emergency_stops
-    values |= {name: value for name, value in stop.items() if wanted or not math.isnan(value)}
+    emergency_stops = problem.spec.needs.emergency_stops
+    values |= {name: value for name, value in stop.items() if emergency_stops or not math.isnan(value)}
     cycles = [case.at_belt.behind(parts.belt_ratio) for case in problem.cases]
     for name, rated in _LIVES.items():  # in the load case that wears it most
         life = min(float(life_of_gearheads(cycle, one_row(gearhead), rated)[0]) for cycle in cycles)
@@ -226,7 +226,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * parts.motor.torque_constant)
         values["current_limit"] = min(controller.peak_current, math.inf if math.isnan(at_gear) else at_gear)
         above = (torque_above(cycle, gearhead.continuous_torque) for cycle in cycles)
-        if over := next((one for one in above if one[0] > 0.0), None):
+        if over := next((pair for pair in above if pair[0] > 0.0), None):
             values |= zip(("gearhead_overload", "gearhead_overload_share"), over, strict=True)
         bodies, ambient = two_bodies(parts.motor), problem.spec.environment.ambient
         for name, start in (("cold", ambient), ("warm", values["winding_temperature"])):
@@ -238,7 +238,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         changed["current_limit"] = {"title": "Current limit to set: no jam overloads the gearhead"}
     if linear:
         changed["stop_travel"] = {"kind": "length", "unit": "mm"}
-    return tuple(replace(one, **changed.get(one.name, {})) for one in figures_of(("cycle", "servo"), values))
+    return tuple(replace(figure, **changed.get(figure.name, {})) for figure in figures_of(("cycle", "servo"), values))
 
 
 def _of_stepper(problem: Problem, parts: DriveParts) -> dict[str, float]:
@@ -269,9 +269,9 @@ def _of_brake(problem: Problem, parts: DriveParts) -> tuple[dict[str, float], bo
         return {}, False
     worst, radius, axis = Stop(0.0, 0.0, 0.0), 1.0, "rotary"
     for case in problem.cases:
-        _, found = stops(case.spec, case.at_belt.behind(parts.belt_ratio), gearhead, brake, own)
-        if not found.energy <= worst.energy:  # NaN too
-            worst, radius, axis = found, case.cycle.radius, case.spec.load.shaft_axis
+        _, weak_stop = stops(case.spec, case.at_belt.behind(parts.belt_ratio), gearhead, brake, own)
+        if not weak_stop.energy <= worst.energy:  # NaN too
+            worst, radius, axis = weak_stop, case.cycle.radius, case.spec.load.shaft_axis
     travel = worst.angle / (1.0 if brake.shaft == "load" else parts.total_ratio) * radius
     figures = parts.released_power, worst.energy, worst.time, travel
     values = dict(zip(("brake_power", "stop_energy", "stop_time", "stop_travel"), map(float, figures), strict=True))
@@ -299,11 +299,11 @@ _PAIRS = (
 def compared(checks: Sequence[Check]) -> tuple[Comparison, ...]:
     """The limits that both methods look at, among the checks of both."""
     paper, physics = ({c.name: c for c in checks if c.method == method} for method in ("paper", "physics"))
-    both = [(a, b, why) for a, b, why in _PAIRS if a in paper and b in physics]
-    return tuple(Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in both)
+    pairs = [(a, b, why) for a, b, why in _PAIRS if a in paper and b in physics]
+    return tuple(Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in pairs)
 
 
-def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
+def other_checks(problem: Problem, drive: DriveParts) -> tuple[Check, ...]:
     """The checks of a drive by the other method; none where the paper does not treat the load.
 
     The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
@@ -315,15 +315,15 @@ def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
     tables: dict[str, Table[Any]] = {  # in which these parts alone may be chosen
         name: replace(table, excluded=table["part"] != part.part)
         for name, table, part in (
-            ("encoders", catalog.encoders, one.encoder), ("controllers", catalog.controllers, one.controller),
+            ("encoders", catalog.encoders, drive.encoder), ("controllers", catalog.controllers, drive.controller),
         )
         if part is not None
     }  # fmt: skip
     narrowed = replace(problem, catalog=catalog.with_tables(tables, {})).with_sections(
-        select=problem.spec.select.pair_with(one.motor.part, one.gearhead.family), method=method
+        select=problem.spec.select.pair_with(drive.motor.part, drive.gearhead.family), method=method
     )
-    rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
+    rows = catalog.motors.rows[drive.motor.part], catalog.gearheads.rows[drive.gearhead.part]
     offered = candidates(narrowed, also=rows)
     evaluation = evaluate(narrowed, offered)
-    found = (offered.motor == rows[0]) & (offered.gearhead == rows[1]) & (offered.belt == one.belt_ratio)
-    return evaluation.checks_of(int(np.flatnonzero(found)[0]))
+    mask = (offered.motor == rows[0]) & (offered.gearhead == rows[1]) & (offered.belt == drive.belt_ratio)
+    return evaluation.checks_of(int(np.flatnonzero(mask)[0]))

@@ -51,7 +51,7 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
             raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
         catalog = with_typed(catalog, spec.typed, spec.select.named) if spec.typed else catalog
     _offers_motors(spec, catalog)
-    limit = next((one.currency for one in spec.price_limits), "")
+    limit = next((price.currency for price in spec.price_limits), "")
     catalog = priced(catalog, limit, spec.select.rates, spec.load.motors)
     how = spec.select.motor.kind, spec.select.estimates == "on", spec.control.phase_current
     return catalog.once(("view", *how), lambda: view_for(catalog, *how))
@@ -189,7 +189,7 @@ def shortlist(
     others: int = 0,
     choices: int = 0,
     checks_alone: bool = False,
-    made: dict[Hashable, Any] | None = None,
+    memo: dict[Hashable, Any] | None = None,
 ) -> Shortlist:
     """The best drives of a spec, and the closest rejected."""
     # in this section and before this first stage once
@@ -197,24 +197,24 @@ def shortlist(
     check_battery(spec, catalog)
     if spec.method == "paper" and (foreign := sorted({*spec.select.weights, *pareto} & {*COUNTED})):
         raise InputError(f"objective {foreign[0]}: the paper's method does not compute it; expected method: physics")
-    made = {} if made is None or depends_on_ranking(spec) else made
-    if "problem" not in made:
-        made["problem"] = problem_with_drive_mass(spec, catalog)
-    problem, weighed = made["problem"]
+    memo = {} if memo is None or depends_on_ranking(spec) else memo
+    if "problem" not in memo:
+        memo["problem"] = problem_with_drive_mass(spec, catalog)
+    problem, weighed = memo["problem"]
     problem = problem.ranked_by(spec.select.objective)
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine = InMachine(problem, brief=checks_alone, made=made)
-    found = search(
+    machine = InMachine(problem, brief=checks_alone, memo=memo)
+    result = search(
         problem, top=max(top, pool), misses=misses, pareto=pareto, progress=progress, judge=machine.judge,
         others=0 if pool else others, margins=choices > 0,
     )  # fmt: skip
-    evaluation, rows = found.evaluation, list(range(found.passing))
-    sampled = _sampled(found, rows[:pool], sampling, brief) if sampling and pool else None
+    evaluation, rows = result.evaluation, list(range(result.passing))
+    sampled = _sampled(result, rows[:pool], sampling, brief) if sampling and pool else None
     best = machine.divided(evaluation, top, sampled.good if sampled else rows)
     if sampling and not sampled and best:
-        sampled = _sampled(found, best, sampling, brief)
-    unsure, alternatives = machine.divided(evaluation, top, sampled.bad) if sampled else [], list(found.others)
+        sampled = _sampled(result, best, sampling, brief)
+    unsure, alternatives = machine.divided(evaluation, top, sampled.bad) if sampled else [], list(result.others)
     reliability, uncertainty = dict[int, Reliability](), None
     if sampled is not None:
         from drivesizer.search.uncertainty import probabilities
@@ -229,21 +229,21 @@ def shortlist(
     if choices and not pool:
         from drivesizer.search import choices as by_weights  # only a report needs them
 
-        offered = by_weights.choices(problem, found, choices, machine)
+        offered = by_weights.choices(problem, result, choices, machine)
     return Shortlist(
-        problem=problem, found=found, machine=machine, best=best, top=top, unsure=unsure, reliability=reliability,
+        problem=problem, found=result, machine=machine, best=best, top=top, unsure=unsure, reliability=reliability,
         uncertainty=uncertainty, weighed=weighed, others=alternatives, choices=offered, checks_alone=checks_alone,
     )  # fmt: skip
 
 
-def _sampled(found: SearchResult, rows: Sequence[int], how: Sampling, brief: bool) -> SampledDrives:
+def _sampled(result: SearchResult, rows: Sequence[int], how: Sampling, brief: bool) -> SampledDrives:
     """Some drives over samples, with their checks by physics whatever the method."""
     from drivesizer.search.uncertainty import probabilities  # where nothing is sampled it need not load
 
-    evaluation, problem = found.evaluation, found.evaluation.problem
+    evaluation, problem = result.evaluation, result.evaluation.problem
     paper = problem.spec.method == "paper"
-    beside = {row: other_checks(problem, drive_parts(evaluation, row)) if paper else () for row in rows}
-    subjects = {row: probabilities.subject(evaluation, row, beside[row]) for row in rows}
+    physics_checks = {row: other_checks(problem, drive_parts(evaluation, row)) if paper else () for row in rows}
+    subjects = {row: probabilities.subject(evaluation, row, physics_checks[row]) for row in rows}
     return probabilities.sample_drives(problem, subjects, how, brief=brief)
 
 
@@ -253,9 +253,9 @@ def _refuse_unknown_choices(spec: RobotSpec, catalog: Catalog) -> None:
     unlisted = not spec.is_direct and not np.any(catalog.motor_gearhead.right == none)
     for section in ("motor", "gearhead", "encoder", "controller", "brake"):
         choice, table = getattr(spec.select, section), catalog.table(f"{section}s")
-        for key, wanted in choice.named.items():
+        for key, names in choice.named.items():
             known = set(table[key].tolist()) - ({DIRECT} if unlisted else set())
-            for name in wanted:
+            for name in names:
                 if not known.intersection(table.matching(key, name)):
                     where = spec.where(("select", section, "maker" if key == "manufacturer" else key))
                     hint = "; expected transmission: [{kind: direct}]" if name == DIRECT else nearest(name, known)

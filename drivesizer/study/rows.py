@@ -266,7 +266,7 @@ def best(
     """The best drives of a spec, and those of the Pareto front of some objectives."""
     ranked = catalog.once(("ranked by", repr(objective)), lambda: spec.select.ranked_by(objective), (spec.select,))
     spec = spec.with_select(ranked)
-    result = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, made=alike, pareto=pareto)
+    result = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, memo=alike, pareto=pareto)
     first = result.best or [*islice(chain(result.unsure, result.short, result.rejected), 1)]
     first = [*first, *(row for row in result.found.front if row not in first)] if result.best else first
     drives = tuple(

@@ -87,7 +87,7 @@ def belt_axis(tmp_path_factory, catalog):
     every = search(problem, top=5, margins=True)
     certainty = every.every.drives.certainty
     whole = every.every.at(np.flatnonzero(certainty == certainty[every.best[0]]))
-    parts = ranking.chosen(whole, needs_encoder=True)
+    parts = ranking.part_rows(whole, needs_encoder=True)
     figures = {**whole.figures, "margin": smallest_margin(whole.checks), **parts}
     columns = {}
     for name in NAMES:

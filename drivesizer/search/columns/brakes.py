@@ -52,7 +52,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
     """The encoders that fit each motor and that the spec allows."""
     choice, needed = spec.select.encoder, spec.needs.encoder_counts
 
-    def made() -> EncoderOffers:
+    def offers() -> EncoderOffers:
         table, counted = catalog.encoders, lines(catalog.encoders)
         listed = np.zeros((len(catalog.motors), len(table)), bool)
         listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
@@ -72,7 +72,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
             np.append(inertia, 0.0)[row], last, least, (counts >= least) & (row >= 0),
         )  # fmt: skip
 
-    return catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), made)
+    return catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), offers)
 
 
 def _first_of_each(fitting: Mask, order: Whole) -> Whole:
@@ -145,7 +145,7 @@ def counting_limits(spec: RobotSpec, belt: Alike, demand: Demands, parts: Parts)
     rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
     rate, known = np.minimum(*rates), np.fmin(*rates)  # where one is unknown what needs more than the other fails
     rate = np.where(np.isnan(rate) & (counted * (1.0 + spec.margins.speed) > known), known, rate)
-    found = [
+    checks = [
         at_most("encoder_speed", demand.peak_speed, encoder["max_speed"], **speed),
         at_most("encoder_frequency", counted, rate, **speed),
     ]
@@ -153,8 +153,8 @@ def counting_limits(spec: RobotSpec, belt: Alike, demand: Demands, parts: Parts)
     if need is not None:
         geared = belt if spec.gear is None else belt * spec.gear.ratio
         edge = angle_per_edge(lines(encoder), demand.total_ratio * geared)
-        found.append(at_most("encoder_resolution", edge, need))
-    return found
+        checks.append(at_most("encoder_resolution", edge, need))
+    return checks
 
 
 # -- A holding brake for every candidate at once: of those that go with its motor the smallest that holds the load.
@@ -229,11 +229,11 @@ def _turns(brake: Figures, total: Alike) -> Alike:
 
 
 def brakes_for(
-    problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Parts, given: Whole | None = None
+    problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Parts, preset: Whole | None = None
 ) -> Whole:
     """Row of each candidate's brake, -1 where it has none."""
     spec, catalog = problem.spec, problem.catalog
-    option, found = offered.row[parts.motor.rows], np.full(len(parts.motor.rows), -1)
+    option, row = offered.row[parts.motor.rows], np.full(len(parts.motor.rows), -1)
     if option.size and len(catalog.brakes):  # figures of candidates are columns (rows, 1), of brakes (rows, brakes)
         own = zip(("motors", "gearheads", "encoders"), parts[:3], strict=True)
         motor, gearhead, encoder = (Rows(catalog.table(name), part.rows[:, None]) for name, part in own)
@@ -244,10 +244,10 @@ def brakes_for(
             passing, failing = passing & check.passed, failing | check.failed
             margin = np.minimum(margin, check.tightness)
         worth = -margin if spec.select.objective == "margin" else np.zeros(option.shape)
-        found = offered.last[parts.motor.rows]
+        row = offered.last[parts.motor.rows]
         for good in (~failing, passing):  # the second is better than the first
             place = np.where(good, worth, np.inf).argmin(axis=1)  # of equals the first
-            found = np.where(good.any(axis=1), option[np.arange(len(option)), place], found)
+            row = np.where(good.any(axis=1), option[np.arange(len(option)), place], row)
     if not spec.names_brake:  # none where every load case holds itself, or friction that counts holds it
         if spec.needs.holding_friction == "ignored":
             needless: Mask | bool = all(cycle.base.scalars.held == 0.0 for cycle in cycles)
@@ -256,23 +256,23 @@ def brakes_for(
             needless = np.logical_and.reduce(
                 [_by_friction(case.spec, cycle, parts.motor, parts.gearhead) for case, cycle in cases]
             )
-        found = np.where(needless, -1, found)
-    return found if given is None else np.where(given == FREE, found, given)
+        row = np.where(needless, -1, row)
+    return row if preset is None else np.where(preset == FREE, row, preset)
 
 
 def _of_options(problem: Problem, cycles: Sequence[AtGearhead], parts: Parts) -> list[CheckColumn]:
     """Whether brakes hold and stop the load, in every load case."""
-    found, brake, gearhead = list[CheckColumn](), parts.brake, parts.gearhead
+    checks, brake, gearhead = list[CheckColumn](), parts.brake, parts.gearhead
     assert brake is not None
     for case, cycle in zip(problem.cases, cycles, strict=True):
         spec = case.spec
         if spec.needs.hold_unpowered:
-            found.append(_holding(spec, cycle, parts.motor, gearhead, brake))
+            checks.append(_holding(spec, cycle, parts.motor, gearhead, brake))
         if spec.needs.emergency_stops:
             inertia = drive_inertia(parts.motor, gearhead, parts.encoder, brake_inertia(parts, cycle.belt))
-            found += _stop_limits(spec, cycle, gearhead, brake, inertia)
-        found.append(coil_voltage(brake, spec.supply))
-    return found
+            checks += _stop_limits(spec, cycle, gearhead, brake, inertia)
+        checks.append(coil_voltage(brake, spec.supply))
+    return checks
 
 
 def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures, brake: Figures) -> CheckColumn:
@@ -305,22 +305,22 @@ def brake_limits(spec: RobotSpec, cycle: AtGearhead, parts: Parts, demand: Deman
     there = brake["part"] != ""
     rubs = needs.holding_friction == "counted" and ~there & _by_friction(spec, cycle, motor, gearhead)
     idle = ~there & np.asarray(cycle.held == 0.0) | rubs
-    found = [fits("brake_fits", listed | idle, listed | idle)]
+    checks = [fits("brake_fits", listed | idle, listed | idle)]
     if needs.hold_unpowered:
-        found.append(_holding(spec, cycle, motor, gearhead, brake))
+        checks.append(_holding(spec, cycle, motor, gearhead, brake))
         passed_on = (there | rubs) & (brake["shaft"] == "")
         carried = np.where(passed_on, gearhead["intermittent_torque"], np.inf)
         torque = cycle.held / spec.belt_efficiency
-        found.append(at_most("gearhead_holding", torque, carried, needed=spec.margins.torque))
+        checks.append(at_most("gearhead_holding", torque, carried, needed=spec.margins.torque))
     fastest = np.where(np.isnan(brake["max_speed"]), np.inf, brake["max_speed"])
     turning = demand.peak_speed / _turns(brake, demand.total_ratio * cycle.belt)
-    found.append(coil_voltage(brake, spec.supply))
-    found.append(at_most("brake_speed", turning, fastest, needed=spec.margins.speed))
+    checks.append(coil_voltage(brake, spec.supply))
+    checks.append(at_most("brake_speed", turning, fastest, needed=spec.margins.speed))
     if needs.emergency_stops:
         inertia = demand.coefficients[:, _ACCELERATION] / demand.total_ratio
         inertia = np.where(demand.left_out[:, _ACCELERATION], np.nan, inertia)
-        found += _stop_limits(spec, cycle, gearhead, brake, inertia)
-    return found
+        checks += _stop_limits(spec, cycle, gearhead, brake, inertia)
+    return checks
 
 
 _ACCELERATION = 3
@@ -344,9 +344,9 @@ def _stop_limits(
 ) -> list[CheckColumn]:
     """Energy and number of emergency stops, and what the gearhead passes on in one."""
     number = float(spec.needs.emergency_stops or 0)
-    energy = Range(*(each.energy for each in stops(spec, cycle, gearhead, brake, inertia)))
+    energy = Range(*(emergency_stop.energy for emergency_stop in stops(spec, cycle, gearhead, brake, inertia)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        permitted = (np.fmin(brake["total_energy"] / each, brake["emergency_stops"]) for each in reversed(energy))
+        permitted = (np.fmin(brake["total_energy"] / E, brake["emergency_stops"]) for E in reversed(energy))
     return [
         at_most("brake_stop_energy", energy, brake["energy_per_stop"]),
         at_most("brake_stops", number, Range(*permitted)),

@@ -53,26 +53,26 @@ class Rows:
         """``some_missing``: whether a row may be -1, where that is known."""
         self.table, self.rows = table, rows
         self.some_missing = bool((rows < 0).any()) if some_missing is None else some_missing
-        self.taken: dict[str, NDArray[Any]] = {}
-        self.made: dict[Callable[[Figures], Alike], Alike] = {}
+        self.columns: dict[str, NDArray[Any]] = {}
+        self.results: dict[Callable[[Figures], Alike], Alike] = {}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self.taken:
+        if name not in self.columns:
             column: NDArray[Any] = self.table[name]
             if self.some_missing:
                 column = np.append(column, np.array([np.nan if column.dtype.kind == "f" else ""], column.dtype))
-            self.taken[name] = column.take(self.rows)
-        return self.taken[name]
+            self.columns[name] = column.take(self.rows)
+        return self.columns[name]
 
     def each(self, compute: Callable[[Figures], Alike]) -> Alike:
         """Results of a function of the figures of one part alone, once for each part where that is less."""
-        if compute not in self.made:
+        if compute not in self.results:
             few = len(self.rows) <= len(self.table)
-            every: Figures = self.table
+            table: Figures = self.table
             if self.some_missing and not few:  # behind all parts one of which nothing is known
-                every = Rows(self.table, np.append(np.arange(len(self.table)), -1))
-            self.made[compute] = compute(self) if few else _at(compute(every), self.rows)
-        return self.made[compute]
+                table = Rows(self.table, np.append(np.arange(len(self.table)), -1))
+            self.results[compute] = compute(self) if few else _at(compute(table), self.rows)
+        return self.results[compute]
 
     def on(self, rows: Whole | Mask | slice) -> Rows:
         """Some of the rows; for all of them this one, with the columns that it has taken."""
@@ -87,8 +87,8 @@ def _at(columns: Alike, rows: Whole) -> Alike:
     """Columns, or several of them, at some rows."""
     if not isinstance(columns, tuple):
         return columns.take(rows)
-    taken = (column.take(rows) for column in columns)
-    return type(columns)(*taken) if hasattr(columns, "_fields") else tuple(taken)
+    members = (column.take(rows) for column in columns)
+    return type(columns)(*members) if hasattr(columns, "_fields") else tuple(members)
 
 
 def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
@@ -125,9 +125,9 @@ def _alone(catalog: Catalog) -> tuple[Whole, Whole]:
 
 def candidates(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
     """Every combination of :func:`pairs` with every belt ratio of the problem."""
-    found, belts = pairs(problem, also), np.array(problem.belt_ratios)
-    every = np.repeat(np.arange(len(found.motor)), len(belts))
-    return found.on(every)._replace(belt=np.tile(belts, len(found.motor)))
+    combinations, belts = pairs(problem, also), np.array(problem.belt_ratios)
+    rows = np.repeat(np.arange(len(combinations.motor)), len(belts))
+    return combinations.on(rows)._replace(belt=np.tile(belts, len(combinations.motor)))
 
 
 # -- Orders of parts: by a figure, or by what an objective sums of them.
@@ -140,10 +140,10 @@ def figure_order(table: Table[Any], figure: Array) -> Whole:
 
 def summed_share(spec: RobotSpec, table: Table[Any], catalog: Catalog) -> Array:
     """Share of parts in what the objective of a spec sums, less is better."""
-    found = np.zeros(len(table))
+    share = np.zeros(len(table))
     for name, weight in spec.select.weights.items():
-        found += weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)
-    return found
+        share += weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)
+    return share
 
 
 def parts_share(name: str, table: Table[Any], catalog: Catalog, *, alone: bool) -> Array:

@@ -60,8 +60,10 @@ class Ranks(NamedTuple):
 
     def on(self, rows: Whole) -> Ranks:
         """Of some of the candidates."""
-        taken: dict[str, Alike] = {n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")}
-        return self._replace(**{name: x[:, rows] for name, x in taken.items() if x.shape[1] > 1})
+        columns: dict[str, Alike] = {
+            n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")
+        }
+        return self._replace(**{name: x[:, rows] for name, x in columns.items() if x.shape[1] > 1})
 
     def at(self, figure: NDArray[Any], place: Whole) -> NDArray[Any]:
         """A figure of one controller of each candidate."""
@@ -215,9 +217,9 @@ def controllers(
     if required.voltage is not None:
         feed = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES})._replace(voltage=lowest)
         volts = required.voltage * (1.0 + required.speed)
-        given = feed.usable_range
-        lacking[np.minimum(given.high, lowest) < volts] = LOST
-        hanging = (~((volts <= given.low) | (volts > given.high)) & (volts != 0.0)).astype(np.int8)
+        usable_voltage = feed.usable_range
+        lacking[np.minimum(usable_voltage.high, lowest) < volts] = LOST
+        hanging = (~((volts <= usable_voltage.low) | (volts > usable_voltage.high)) & (volts != 0.0)).astype(np.int8)
         if not any("controller_peak_time" in ASSUMABLE[name] for name in spec.select.assume):
             hanging = hanging + (np.isnan(peak_time) & (continuous < required.peak))
         unprinted = (
@@ -239,18 +241,18 @@ def _shares(spec: RobotSpec, catalog: Catalog, order: Whole, rms: Array) -> Arra
 
     What no objective counts is 0 of all; the margin's share hangs on the candidate's other checks.
     """
-    table, found = catalog.controllers, np.zeros((len(order), 1))
+    table, shares = catalog.controllers, np.zeros((len(order), 1))
     for name, weight in spec.select.weights.items():
         if name == "energy":
             stage = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES}).stage
             current = np.maximum(rms, 1e-9)
             lost = stage.loss + stage.resistance * current + stage.standby / current
-            found = found + weight * np.nan_to_num(lost, nan=LAST) / spec.supply.nominal
+            shares = shares + weight * np.nan_to_num(lost, nan=LAST) / spec.supply.nominal
         elif name != "margin":
-            found = (
-                found + weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)[order][:, None]
+            shares = (
+                shares + weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)[order][:, None]
             )
-    return found
+    return shares
 
 
 def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest: float) -> Mask:
@@ -354,35 +356,37 @@ def powered(
     parts: Parts,
     *,
     waveform: over_time.Waveform,
-    each: Collection[str] = (),
+    exact_checks: Collection[str] = (),
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat."""
     cases = [
-        over_time.InCase(case.spec, cycle, *one, stress(case.spec.environment.ambient, cycle, one.demand, parts.motor))
-        for case, cycle, one in zip(problem.cases, cycles, moving, strict=True)
+        over_time.InCase(
+            case.spec, cycle, *motion, stress(case.spec.environment.ambient, cycle, motion.demand, parts.motor)
+        )
+        for case, cycle, motion in zip(problem.cases, cycles, moving, strict=True)
     ]
-    given, some = parts.controller, _Candidates(problem, usable, cases, parts, waveform, each)
-    row, ranks = some.controllers()
-    free = np.ones(len(row), bool) if given is None else given.rows == FREE
-    row = row if given is None else np.where(free, row, given.rows)
+    preset, candidates = parts.controller, _Candidates(problem, usable, cases, parts, waveform, exact_checks)
+    row, ranks = candidates.controllers()
+    free = np.ones(len(row), bool) if preset is None else preset.rows == FREE
+    row = row if preset is None else np.where(free, row, preset.rows)
     if len(usable.order):
-        row = some.by_lower_bounds(row, ranks, free)
-    found = some.judged(row)
+        row = candidates.by_lower_bounds(row, ranks, free)
+    verdict = candidates.judge(row)
     if len(usable.order):
-        row, found = _best_of_all(some, ranks, row, found, free & ~(found.undecided > 0.0))
-    agreed = [low.agreed(high) for low, high in found.pairs]
+        row, verdict = _best_of_all(candidates, ranks, row, verdict, free & ~(verdict.undecided > 0.0))
+    agreed = [low.agreed(high) for low, high in verdict.pairs]
     figures = over_time.cycle_figures(
-        problem, [Draw(one.drawn, one.returned, one.power) for one in agreed],
+        problem, [Draw(moments.drawn, moments.returned, moments.power) for moments in agreed],
         joule_heat=agreed[0].copper, peak_current=np.maximum.reduce([case.stresses.current.value for case in cases]),
-        winding_temperature=np.maximum.reduce([one.winding for one in agreed]),
+        winding_temperature=np.maximum.reduce([moments.winding for moments in agreed]),
     )  # fmt: skip
     # a lower bound may fail a check, but is no figure
-    figures = {name: np.where(some.complete, column, np.nan) for name, column in figures.items()}
+    figures = {name: np.where(candidates.complete, column, np.nan) for name, column in figures.items()}
     available = usable.available(parts.motor.rows, row)
-    return Powered(row, [available, *found.checks], figures | {UNDECIDED: found.undecided})
+    return Powered(row, [available, *verdict.checks], figures | {UNDECIDED: verdict.undecided})
 
 
-class _Judged(NamedTuple):
+class _Verdict(NamedTuple):
     """Candidates with some controllers."""
 
     checks: list[CheckColumn]
@@ -408,14 +412,14 @@ class _Candidates(NamedTuple):
     cases: Sequence[over_time.InCase]
     parts: Parts
     waveform: over_time.Waveform
-    each: Collection[str]
+    exact_checks: Collection[str]
 
     @property
     def complete(self) -> Mask:
         """Whether all that is demanded of each candidate is known."""
         return np.asarray(np.logical_and.reduce([case.demand.complete for case in self.cases]), bool)
 
-    def some(self, rows: Whole) -> _Candidates:
+    def subset(self, rows: Whole) -> _Candidates:
         """Some of the candidates."""
         cases, parts = on((self.cases, self.parts), rows)
         return self._replace(cases=cases, parts=parts)
@@ -448,11 +452,11 @@ class _Candidates(NamedTuple):
         rows = np.flatnonzero(free & (row >= 0) & self.complete)
         if not ranks.weight or not len(rows):
             return row
-        unknown, _, _, place = self.some(rows).ranks(ranks.on(rows)).best()
-        taken = np.flatnonzero(unknown < LOST)  # where each fails the first one says on what
-        return put(row, rows[taken], self.usable.order[place[taken].astype(np.int64)])
+        unknown, _, _, place = self.subset(rows).ranks(ranks.on(rows)).best()
+        able = np.flatnonzero(unknown < LOST)  # where each fails the first one says on what
+        return put(row, rows[able], self.usable.order[place[able].astype(np.int64)])
 
-    def ranks(self, ranks: Ranks, row: Whole | None = None, found: _Judged | None = None) -> Ranks:
+    def ranks(self, ranks: Ranks, row: Whole | None = None, verdict: _Verdict | None = None) -> Ranks:
         """Ranks of all controllers by lower bounds over the waveform, and by what was computed with one of them.
 
         So many candidates at a time, with the controllers that are not lost to all of these.
@@ -463,31 +467,31 @@ class _Candidates(NamedTuple):
         for start in range(0, lacking.shape[1], _COLUMNS):
             columns = np.arange(start, min(start + _COLUMNS, lacking.shape[1]))
             left = np.flatnonzero((lacking[:, columns] < LOST).any(axis=1))
-            of, place = self.some(columns), np.ix_(left, columns)
-            tried = None if found is None or row is None else (row[columns], on(found, columns))
+            of, place = self.subset(columns), np.ix_(left, columns)
+            trial = None if verdict is None or row is None else (row[columns], on(verdict, columns))
             shape, passed = (len(left), len(columns)), dict[str, Mask]()
             lost = np.zeros(shape, bool)
-            for check in of.hanging(self.usable.order[left], tried):
+            for check in of.hanging(self.usable.order[left], trial):
                 lost |= check.failed
                 passed[check.name] = passed.get(check.name, np.True_) & check.passed
                 if ranks.weight:
                     margin[place] = np.minimum(margin[place], check.tightness)
             lacking[place] = np.where(lost, LOST, lacking[place])
-            hanging[place] = np.sum([~np.broadcast_to(one, shape) for one in passed.values()], axis=0, dtype=np.int8)
+            hanging[place] = np.sum([~np.broadcast_to(mask, shape) for mask in passed.values()], axis=0, dtype=np.int8)
         return ranks._replace(lacking=lacking, hanging=hanging, margin=margin)
 
-    def hanging(self, controllers: Whole, tried: tuple[Whole, _Judged] | None) -> Iterator[CheckColumn]:
+    def hanging(self, controllers: Whole, trial: tuple[Whole, _Verdict] | None) -> Iterator[CheckColumn]:
         """Limits of each of some controllers that hang on the cycle too, by lower bounds and by what was computed.
 
-        What loses more than the one that was tried draws no less, and returns no more.
+        What loses more than the one of the trial draws no less, and returns no more.
         """
         parts = self.with_controllers(controllers[:, None])
         for k, case in enumerate(self.cases):
             spec, low = case.spec, over_time.lowest(case, parts)
             high = low
-            if tried is not None:
-                row, found = tried
-                computed, stage = found.pairs[k][0], spec.feed(parts.controller).stage
+            if trial is not None:
+                row, verdict = trial
+                computed, stage = verdict.pairs[k][0], spec.feed(parts.controller).stage
                 its = spec.feed(Rows(self.problem.catalog.controllers, row)).stage
                 more = (stage.loss >= its.loss) & (stage.standby >= its.standby)
                 less = stage.least_loss <= its.least_loss
@@ -496,19 +500,19 @@ class _Candidates(NamedTuple):
                     stored=np.where(less, np.fmax(low.stored, computed.stored), low.stored),
                     power=np.where(more, np.fmax(low.power, computed.power), low.power),
                 )
-                ranged = self.ranges_of_voltage(k, row, found)
-                high = low._replace(voltage=np.where(ranged, found.pairs[k][1].voltage, low.voltage))
-            yield from (one for one in over_time.waveform_limits(spec, low, high, parts) if one.name in HANGING)
+                ranged = self.ranges_of_voltage(k, row, verdict)
+                high = low._replace(voltage=np.where(ranged, verdict.pairs[k][1].voltage, low.voltage))
+            yield from (check for check in over_time.waveform_limits(spec, low, high, parts) if check.name in HANGING)
 
-    def ranges_of_voltage(self, k: int, row: Whole, found: _Judged) -> Mask:
+    def ranges_of_voltage(self, k: int, row: Whole, verdict: _Verdict) -> Mask:
         """Whose voltage in a load case lies within computed ends, by which the limit of a controller is undecided."""
         case = self.cases[k]
         if self.waveform == "bounds" or case.spec.resists:
             return np.zeros(len(row), bool)
-        volts = over_time.voltage_limit(case.spec, *found.pairs[k], self.with_controllers(row).controller)
-        return np.asarray(case.demand.complete & ~(volts.passed | volts.failed) & ~found.failed(), bool)
+        volts = over_time.voltage_limit(case.spec, *verdict.pairs[k], self.with_controllers(row).controller)
+        return np.asarray(case.demand.complete & ~(volts.passed | volts.failed) & ~verdict.failed(), bool)
 
-    def judged(self, row: Whole) -> _Judged:
+    def judge(self, row: Whole) -> _Verdict:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
         parts, cases = self.with_controllers(row), list(self.cases)
         for k, (spec, cycle, demand, *_) in enumerate(cases):
@@ -521,84 +525,92 @@ class _Candidates(NamedTuple):
             electrical_limits(spec, cycle, demand, stresses, parts) for spec, cycle, demand, _, stresses in cases
         )
         alive: Mask = ~np.logical_or.reduce([check.failed for check in first if not check.advice])
-        pairs = [over_time.over_waveform(case, parts, self.waveform, alive, self.each) for case in cases]
+        pairs = [over_time.over_waveform(case, parts, self.waveform, alive, self.exact_checks) for case in cases]
         last = worst_of_all(over_time.known_limits(case, pair, parts) for case, pair in zip(cases, pairs, strict=True))
-        found = _Judged([*first, *last], pairs, np.zeros(len(row)))
+        verdict = _Verdict([*first, *last], pairs, np.zeros(len(row)))
         if self.waveform != "bounds":
-            return found
+            return verdict
         left, lacks = np.zeros(len(row), bool), np.zeros(len(row), bool)
         for case, pair in zip(cases, pairs, strict=True):
             left |= over_time.left_open(case.spec, pair, parts) & case.demand.complete
             for check in over_time.waveform_limits(case.spec, pair[0], pair[0], parts):
                 lacks |= ~(check.passed | check.failed)
-        return found._replace(undecided=np.where(left & ~found.failed(), 1.0 + lacks, 0.0))
+        return verdict._replace(undecided=np.where(left & ~verdict.failed(), 1.0 + lacks, 0.0))
 
-    def reached(self, ranks: Ranks, row: Whole, found: _Judged) -> Array:
+    def reached(self, ranks: Ranks, row: Whole, verdict: _Verdict) -> Array:
         """Columns as ``Ranks.best`` gives them, as computed with a controller each; infinite where a check fails."""
-        some = [c for c in found.checks if c.name in _OF_CONTROLLER and not c.advice]
-        unknown = np.sum([~(c.passed | c.failed) for c in some], axis=0) + (self.usable.unclear[row] | (row < 0))
-        unknown = np.where(found.undecided > 0.0, 0, unknown)  # by bounds it may pass
+        checks = [c for c in verdict.checks if c.name in _OF_CONTROLLER and not c.advice]
+        unknown = np.sum([~(c.passed | c.failed) for c in checks], axis=0) + (self.usable.unclear[row] | (row < 0))
+        unknown = np.where(verdict.undecided > 0.0, 0, unknown)  # by bounds it may pass
         place = np.zeros(len(self.problem.catalog.controllers) + 1, np.int64)
         place[self.usable.order] = np.arange(len(self.usable.order))
         place = place[row]
         share, unprinted = ranks.at(ranks.share, place), ranks.at(ranks.unprinted, place)
         if ranks.weight:
-            least = np.minimum(found.margin(True), found.margin(False))
+            least = np.minimum(verdict.margin(True), verdict.margin(False))
             share = share + ranks.weight / (1.0 + np.maximum(least, -0.999))
-        return np.where(found.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
+        return np.where(verdict.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
 
 
-def _best_of_all(some: _Candidates, ranks: Ranks, row: Whole, found: _Judged, free: Mask) -> tuple[Whole, _Judged]:
+def _best_of_all(
+    candidates: _Candidates, ranks: Ranks, row: Whole, verdict: _Verdict, free: Mask
+) -> tuple[Whole, _Verdict]:
     """Candidates with the best of all controllers, as computed from the waveform.
 
     They are tried in the order of what bounds say of them at least, until none that is left could be better. Where all
     that are listed fail others may exist: none. Where the motor takes more voltage than the supply has none helps.
     """
-    usable, more = some.usable, 1.0 + some.problem.spec.margins.speed
-    unmet = ~np.logical_and.reduce([c.passed for c in found.checks if c.name in HANGING])
+    usable, more = candidates.usable, 1.0 + candidates.problem.spec.margins.speed
+    unmet = ~np.logical_and.reduce([c.passed for c in verdict.checks if c.name in HANGING])
     if ranks.weight:
-        unmet |= found.margin(True) < found.margin(False)
-    for case, (low, _) in zip(some.cases, found.pairs, strict=True):
+        unmet |= verdict.margin(True) < verdict.margin(False)
+    for case, (low, _) in zip(candidates.cases, verdict.pairs, strict=True):
         free = free & ~(more * low.voltage > case.spec.supply.lowest)
-    wanting = unmet & free & (row >= 0) & ~found.failed(HANGING)
-    rows = np.flatnonzero(wanting & (some.complete | found.failed()))
+    wanting = unmet & free & (row >= 0) & ~verdict.failed(HANGING)
+    rows = np.flatnonzero(wanting & (candidates.complete | verdict.failed()))
     if not len(rows):
-        return row, found
-    some, ranks, kept, chosen = some.some(rows), ranks.on(rows), on(found, rows), row[rows]
-    best, tried = some.reached(ranks, chosen, kept), usable.order[:, None] == chosen
-    few = _AT_ONCE // some.problem.segments
-    left, here, new, one = np.arange(len(rows)), some, kept, chosen
+        return row, verdict
+    candidates, ranks, best_verdict, best_row = candidates.subset(rows), ranks.on(rows), on(verdict, rows), row[rows]
+    best, trials = candidates.reached(ranks, best_row, best_verdict), usable.order[:, None] == best_row
+    few = _AT_ONCE // candidates.problem.segments
+    left, here, new, trial = np.arange(len(rows)), candidates, best_verdict, best_row
     while len(left):
-        ranks, others = here.ranks(ranks, one, new), new.margin(False) if ranks.weight else np.inf
-        could = ranks.before(best[:, left], others) & ~tried[:, left] & (here.complete | np.isinf(best[0, left]))
+        ranks, others = here.ranks(ranks, trial, new), new.margin(False) if ranks.weight else np.inf
+        could = ranks.before(best[:, left], others) & ~trials[:, left] & (here.complete | np.isinf(best[0, left]))
         place, at = np.nonzero(could)
         if len(at) > few:
             at = np.flatnonzero(could.any(axis=0))
             place = ranks.best(others, ~could)[3, at].astype(np.int64)
         if not len(at):
             break
-        left, here, ranks, one = left[at], here.some(at), ranks.on(at), usable.order[place]
-        new, tried[place, left] = here.judged(one), True
-        reached = here.reached(ranks, one, new)
+        left, here, ranks, trial = left[at], here.subset(at), ranks.on(at), usable.order[place]
+        new, trials[place, left] = here.judge(trial), True
+        reached = here.reached(ranks, trial, new)
         in_order = np.lexsort((*reached[::-1], left))
         of_each = in_order[np.unique(left[in_order], return_index=True)[1]]
-        taken = of_each[_before(reached[:, of_each], best[:, left[of_each]])]
-        best[:, left[taken]] = reached[:, taken]
-        chosen, kept = put(chosen, left[taken], one[taken]), put(kept, left[taken], on(new, taken))
-        again = ~new.failed(HANGING) & (here.complete | np.isinf(best[0, left]))
-        going = np.flatnonzero(again) if len(left) == len(of_each) else left[:0]
-        left, here, ranks, new, one = left[going], here.some(going), ranks.on(going), on(new, going), one[going]
-    none = np.flatnonzero(np.isinf(best[0]) & usable.partial[some.parts.motor.rows])
+        better = of_each[_before(reached[:, of_each], best[:, left[of_each]])]
+        best[:, left[better]] = reached[:, better]
+        best_row, best_verdict = (
+            put(best_row, left[better], trial[better]),
+            put(best_verdict, left[better], on(new, better)),
+        )
+        retry = ~new.failed(HANGING) & (here.complete | np.isinf(best[0, left]))
+        going = np.flatnonzero(retry) if len(left) == len(of_each) else left[:0]
+        left, here, ranks, new, trial = left[going], here.subset(going), ranks.on(going), on(new, going), trial[going]
+    none = np.flatnonzero(np.isinf(best[0]) & usable.partial[candidates.parts.motor.rows])
     if len(none):
-        new = some.some(none).judged(np.full(len(none), -1))
-        taken = np.flatnonzero(~new.failed())
-        chosen, kept = put(chosen, none[taken], np.full(len(taken), -1)), put(kept, none[taken], on(new, taken))
-    return put(row, rows, chosen), put(found, rows, kept)
+        new = candidates.subset(none).judge(np.full(len(none), -1))
+        better = np.flatnonzero(~new.failed())
+        best_row, best_verdict = (
+            put(best_row, none[better], np.full(len(better), -1)),
+            put(best_verdict, none[better], on(new, better)),
+        )
+    return put(row, rows, best_row), put(verdict, rows, best_verdict)
 
 
-def _before(one: Array, other: Array) -> Mask:
+def _before(columns: Array, other: Array) -> Mask:
     """Whether some columns go before others, by the first row in which they differ."""
-    found = np.zeros(one.shape[1], bool)
-    for a, b in zip(one[::-1], other[::-1], strict=True):
-        found = (a < b) | ((a == b) & found)
-    return found
+    before = np.zeros(columns.shape[1], bool)
+    for a, b in zip(columns[::-1], other[::-1], strict=True):
+        before = (a < b) | ((a == b) & before)
+    return before

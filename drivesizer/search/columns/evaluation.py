@@ -56,12 +56,12 @@ def estimated(problem: Problem, candidates: Candidates, method: str = "physics")
     if not problem.catalog.ends:
         return np.zeros(0, np.int64)
     motors, gearheads = (_differ(problem.catalog, name, problem.spec, method) for name in ("motors", "gearheads"))
-    found: Mask = motors[candidates.motor] | gearheads[candidates.gearhead]
+    mask: Mask = motors[candidates.motor] | gearheads[candidates.gearhead]
     if method == "physics" and (offered := offered_brakes(problem.spec, problem.catalog)) is not None:
         brakes: Mask = np.append(_differ(problem.catalog, "brakes", problem.spec, method), False)
         uncertain: Mask = np.any(brakes[offered.row], axis=1)
-        found |= uncertain[candidates.motor]
-    return np.flatnonzero(found)
+        mask |= uncertain[candidates.motor]
+    return np.flatnonzero(mask)
 
 
 def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> Mask:
@@ -70,13 +70,13 @@ def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> Mas
 
     def differ() -> Mask:
         low, high = (end.table(section) for end in catalog.ends)
-        found = np.zeros(len(low), bool)
+        mask = np.zeros(len(low), bool)
         counted = {name for check in CHECKS["paper"].values() for name in check.rests_on}
         for name, column in columns_of(section).items():
             counts = name not in left and (method == "physics" or f"{section[:-1]}.{name}" in counted)
             if column.kind != "text" and counts:
-                found |= (low[name] != high[name]) & ~np.isnan(low[name])
-        return found
+                mask |= (low[name] != high[name]) & ~np.isnan(low[name])
+        return mask
 
     return catalog.once(("differ", section, left, method), differ)
 
@@ -153,10 +153,10 @@ class Evaluation(NamedTuple):
         """Requirements (1)-(16) of the load and (17)-(20) of the parts of one candidate; none by physics."""
         if self.spec.method == "physics":
             return [], []
-        one = self.candidates.on(np.array([index]))
-        motor, gearhead = Rows(self.catalog.motors, one.motor), Rows(self.catalog.gearheads, one.gearhead)
+        drive = self.candidates.on(np.array([index]))
+        motor, gearhead = Rows(self.catalog.motors, drive.motor), Rows(self.catalog.gearheads, drive.gearhead)
         wheel = vehicle(self.spec, motor["rotor_inertia"]).steps
-        shaft = motor_requirements(self.spec, wheel, motor, gearhead, one.belt).steps
+        shaft = motor_requirements(self.spec, wheel, motor, gearhead, drive.belt).steps
         return [step.on(0) for step in wheel.values()], [step.on(0) for step in shaft.values()]
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
@@ -166,8 +166,8 @@ class Evaluation(NamedTuple):
     def tightest_of(self, index: int) -> tuple[Check, ...]:
         """Of the checks of one candidate the one with the smallest margin; empty where no margin hangs on the load."""
         known = [(float(c.on(index)._replace(least=None).tightness), c) for c in self.checks]
-        tightest, found = min(known, key=lambda one: one[0], default=(np.inf, None))
-        return () if found is None or tightest == np.inf else (self._at(found, index),)
+        tightest, check = min(known, key=lambda pair: pair[0], default=(np.inf, None))
+        return () if check is None or tightest == np.inf else (self._at(check, index),)
 
     def _at(self, check: CheckColumn, index: int) -> Check:
         return check.at(index, self.spec.method, cases=tuple(case.name for case in self.problem.cases))
@@ -180,8 +180,8 @@ def evaluate(problem: Problem, candidates: Candidates, *, rejected: bool = True)
     few = len(candidates.motor) <= paper_rule.FEW
     if rejected or few or len(estimated(problem, candidates, "paper")):  # at one end of a band one may pass
         return _over_bands(_by_the_paper, problem, candidates, "paper")
-    given = candidates.motor, candidates.gearhead, candidates.belt
-    left = np.flatnonzero(~paper_rule.hopeless(problem.spec, problem.catalog, *given))
+    columns = candidates.motor, candidates.gearhead, candidates.belt
+    left = np.flatnonzero(~paper_rule.hopeless(problem.spec, problem.catalog, *columns))
     return _by_the_paper(problem, candidates.on(left), rejected=False)
 
 
@@ -198,29 +198,29 @@ def _by_the_paper(problem: Problem, candidates: Candidates, rejected: bool = Tru
     listed = fits("compatibility", True, candidates.listed)
     torques = shaft["rms_torque_at_motor"].value, paper_rule.largest_torque_at_motor(shaft)
     currents = [torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques]
-    found = Evaluation(problem, candidates, [listed, *checks], none, none, none, {})
+    evaluation = Evaluation(problem, candidates, [listed, *checks], none, none, none, {})
     if not rejected:
-        left = np.flatnonzero(~found.failed)
-        found, currents = on((found, currents), left)
-    sets, (rms, peak) = found.candidates, currents
+        left = np.flatnonzero(~evaluation.failed)
+        evaluation, currents = on((evaluation, currents), left)
+    sets, (rms, peak) = evaluation.candidates, currents
     controller, _ = controllers(spec, catalog, sets.motor, Required(rms, peak))
     usable, of_controller = usable_controllers(spec, catalog), Rows(catalog.controllers, controller)
     total = catalog.gearheads["ratio"].take(sets.gearhead) * sets.belt
     speed = wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
     encoder, _ = encoders_for(spec, offered_encoders(spec, catalog), sets.motor, speed, total)
     checks = [
-        *found.checks,
+        *evaluation.checks,
         usable.available(sets.motor, controller),
         at_most("controller_continuous_current", rms, controller_current(of_controller, usable.ambient)),
         at_most("controller_peak_current", peak, of_controller["peak_current"]),
         *counts_check(spec, catalog, encoder),
     ]
-    return found._replace(checks=checks, controller=controller, encoder=encoder)
+    return evaluation._replace(checks=checks, controller=controller, encoder=encoder)
 
 
 def by_physics(problem: Problem, candidates: Candidates, waveform: Waveform = "all") -> Evaluation:
     """Every limit against the whole load cycle, whatever the spec's method."""
-    return _over_bands(lambda at, some: at_figures(at, some, waveform), problem, candidates, "physics")
+    return _over_bands(lambda at, sets: at_figures(at, sets, waveform), problem, candidates, "physics")
 
 
 def _over_bands(
@@ -233,11 +233,11 @@ def _over_bands(
     rows = estimated(problem, candidates, method)
     if not len(rows):
         return at(problem, candidates)
-    some, (favourable, unfavourable) = candidates.on(rows), at_ends(problem)
-    hard = at(unfavourable, some)
+    sets, (favourable, unfavourable) = candidates.on(rows), at_ends(problem)
+    hard = at(unfavourable, sets)
     easy = at(favourable, hard.chosen())
     if (easy.failed | easy.unknown).any():
-        hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), some)
+        hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), sets)
     middle = at(problem, _with_parts(candidates, rows, hard))
     ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
     checks = [over_ends(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
@@ -248,29 +248,29 @@ def _with_others(
     at: Callable[[Problem, Candidates], Evaluation],
     hard: tuple[Problem, Evaluation],
     easy: tuple[Problem, Evaluation],
-    some: Candidates,
+    sets: Candidates,
 ) -> tuple[Evaluation, Evaluation]:
     """Both ends of a band, with the controller of the favourable one of candidates of which less then is undecided."""
-    free = at(easy[0], hard[1].chosen()._replace(controller=np.full(len(some.motor), FREE)))
+    free = at(easy[0], hard[1].chosen()._replace(controller=np.full(len(sets.motor), FREE)))
     if (free.controller == hard[1].controller).all():
         return hard[1], easy[1]
-    given = free.chosen()
-    other = at(hard[0], given)
+    drives = free.chosen()
+    other = at(hard[0], drives)
     better = _undecided(other) + _undecided(free) < _undecided(hard[1]) + _undecided(easy[1])
-    given = given._replace(controller=np.where(better, free.controller, hard[1].controller))
-    return at(hard[0], given), at(easy[0], given)
+    drives = drives._replace(controller=np.where(better, free.controller, hard[1].controller))
+    return at(hard[0], drives), at(easy[0], drives)
 
 
-def _undecided(found: Evaluation) -> Whole:
+def _undecided(evaluation: Evaluation) -> Whole:
     """Number of checks that do not pass; what fails counts more than all that are unknown."""
-    checks = [check for check in found.checks if not check.advice]
-    return np.sum([~check.passed for check in checks], axis=0) + len(checks) * found.failed
+    checks = [check for check in evaluation.checks if not check.advice]
+    return np.sum([~check.passed for check in checks], axis=0) + len(checks) * evaluation.failed
 
 
-def _with_parts(candidates: Candidates, rows: Whole, found: Evaluation | Drives) -> Candidates:
+def _with_parts(candidates: Candidates, rows: Whole, drives: Evaluation | Drives) -> Candidates:
     """Candidates, of which some rows have the parts that were chosen for them."""
     parts = np.full((3, len(candidates.motor)), FREE)
-    parts[:, rows] = found.controller, found.brake, found.encoder
+    parts[:, rows] = drives.controller, drives.brake, drives.encoder
     return candidates._replace(controller=parts[0], brake=parts[1], encoder=parts[2])
 
 
@@ -283,9 +283,11 @@ def figures_by_physics(problem: Problem, candidates: Candidates, waveform: Wavef
     return _in_order_of_belts(problem, candidates, waveform)[1].figures
 
 
-def at_figures(problem: Problem, candidates: Candidates, waveform: Waveform, each: Collection[str] = ()) -> Evaluation:
+def at_figures(
+    problem: Problem, candidates: Candidates, waveform: Waveform, exact_checks: Collection[str] = ()
+) -> Evaluation:
     """Every limit at the figures of the problem's catalogue, as they are."""
-    checks, drives = _in_order_of_belts(problem, candidates, waveform, each)
+    checks, drives = _in_order_of_belts(problem, candidates, waveform, exact_checks)
     order = list(CHECKS["physics"])  # in which people read them
     checks.sort(key=lambda check: order.index(check.name))
     columns = drives.encoder, drives.controller, drives.brake, drives.figures
@@ -293,18 +295,18 @@ def at_figures(problem: Problem, candidates: Candidates, waveform: Waveform, eac
 
 
 def _in_order_of_belts(
-    problem: Problem, candidates: Candidates, waveform: Waveform, each: Collection[str] = ()
+    problem: Problem, candidates: Candidates, waveform: Waveform, exact_checks: Collection[str] = ()
 ) -> tuple[list[CheckColumn], Drives]:
     """Checks of candidates, which are examined belt by belt, and their parts and figures as columns."""
     order = np.argsort(candidates.belt, kind="stable")
-    examined = list(examine(problem, candidates.on(order), waveform=waveform, each=each))
+    examined = list(examine(problem, candidates.on(order), waveform=waveform, exact_checks=exact_checks))
     if not examined:
         none = np.zeros(0, np.int64)
         return [], Drives(none, amount_of((), 0), none, none, none, {})
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
-    checks = together([(order[one.drives.rows], one.checks) for one in examined], len(order))
-    drives = joined([one.drives for one in examined])
+    checks = together([(order[batch.drives.rows], batch.checks) for batch in examined], len(order))
+    drives = joined([batch.drives for batch in examined])
     return checks, on(drives, np.argsort(drives.rows)[place])
 
 

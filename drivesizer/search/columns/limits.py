@@ -51,11 +51,11 @@ _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
 def worst_of_all(cases: Iterable[Sequence[CheckColumn]]) -> list[CheckColumn]:
     """The worst load case of each check, of those of each case."""
-    found: dict[str, list[tuple[int, CheckColumn]]] = {}
+    by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     for number, checks in enumerate(cases):
         for check in checks:
-            found.setdefault(check.name, []).append((number, check))
-    return [worst_case(same) for same in found.values()]
+            by_name.setdefault(check.name, []).append((number, check))
+    return [worst_case(same) for same in by_name.values()]
 
 
 def unknown_where_doubtful(checks: list[CheckColumn], known: Mask) -> list[CheckColumn]:
@@ -68,8 +68,8 @@ def unknown_where_doubtful(checks: list[CheckColumn], known: Mask) -> list[Check
 def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
     """Limits of the load and of the belt, the same for all candidates."""
     own = [check for own in cycle.load_cycle.own if (check := own_limit(spec, own)) is not None]
-    found = that_apply(spec, own)
-    return found + _belt_limits(spec, spec.belt, cycle, drive) if spec.belt else found
+    checks = that_apply(spec, own)
+    return checks + _belt_limits(spec, spec.belt, cycle, drive) if spec.belt else checks
 
 
 # of what lasts: a motion that is run once from cold is held against the limits for a short time, and by its heat
@@ -97,19 +97,19 @@ def own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn | None:
 
 def _belt_limits(spec: RobotSpec, belt: BeltStage, cycle: AtGearhead, drive: BeltDrive | None) -> list[CheckColumn]:
     """Limits of the belt of this ratio, as far as its pulleys are known."""
-    found, diameter = [], drive.driven_diameter if drive else belt.pulley_diameter
+    checks, diameter = [], drive.driven_diameter if drive else belt.pulley_diameter
     if spec.gear_before_belt:  # the load cycle brings them: it is that before the gear
         diameter = None
     if diameter is not None and belt.max_tension is not None:
         pull = cycle.load_torque / (diameter / 2)
-        found.append(at_most("belt_tension", pull, belt.max_tension, needed=spec.margins.torque))
+        checks.append(at_most("belt_tension", pull, belt.max_tension, needed=spec.margins.torque))
     if diameter is not None and belt.max_speed is not None:
         fast = cycle.base.peak_speed * diameter / 2
-        found.append(at_most("belt_speed", fast, belt.max_speed, needed=spec.margins.speed))
+        checks.append(at_most("belt_speed", fast, belt.max_speed, needed=spec.margins.speed))
     if drive is not None:  # passed by selection: the smallest pulleys with enough teeth are taken
-        held = drive.teeth_in_mesh
-        found.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, held, by_choice=True))
-    return found
+        in_mesh = drive.teeth_in_mesh
+        checks.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, in_mesh, by_choice=True))
+    return checks
 
 
 def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
@@ -125,7 +125,7 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> li
     """Limits of the gearhead, whatever motor drives it; loads of its shaft are in ``shaft_limits``."""
     i, ambient = gearhead["ratio"], spec.environment.ambient
     torque, speed = spec.margins.torque, spec.margins.speed
-    found = [
+    checks = [
         at_most("gearhead_continuous_torque", cycle.rms_torque,
                 lasting_limit(gearhead["continuous_torque"], gearhead["intermittent_torque"]), needed=torque),
         at_most("gearhead_intermittent_torque", cycle.peak_torque,
@@ -143,13 +143,13 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> li
     needs = spec.needs
     if needs.backlash_at_load is not None:
         lost = lost_at_load(spec, gearhead["backlash"], cycle.belt)
-        found.append(waived(spec, at_most("backlash_at_load", lost, needs.backlash_at_load)))
+        checks.append(waived(spec, at_most("backlash_at_load", lost, needs.backlash_at_load)))
     if needs.shock_torque is not None:
-        found += shock_limits(spec, needs.shock_torque, cycle, gearhead)
+        checks += shock_limits(spec, needs.shock_torque, cycle, gearhead)
     required = required_life(needs.life, "gearhead")
     if required is not None:
-        found.append(at_most("gearhead_life", required, life_of_gearheads(cycle, gearhead)))
-    return that_apply(spec, found)
+        checks.append(at_most("gearhead_life", required, life_of_gearheads(cycle, gearhead)))
+    return that_apply(spec, checks)
 
 
 def _power_limit(figure: str, power: Array, gearhead: Figures, needed: float) -> CheckColumn:
@@ -182,25 +182,31 @@ def size_limits(spec: RobotSpec, motor: Figures, gearhead: Figures, brake: Figur
     if brake is not None:
         own, counted = {"length": "added_length", "mass": "mass", "price": "price"}, "motor, gearhead and brake alone"
         sums = {name: value + own_figure(brake, own[name]) for name, value in sums.items()}
-    found = [at_most(name, value, getattr(needs, name), note=counted) for name, value in sums.items()]
+    checks = [at_most(name, value, getattr(needs, name), note=counted) for name, value in sums.items()]
     if needs.diameter:
-        found.append(at_most("diameter", np.maximum(motor["diameter"], gearhead["diameter"]), needs.diameter))
-    return found
+        checks.append(at_most("diameter", np.maximum(motor["diameter"], gearhead["diameter"]), needs.diameter))
+    return checks
 
 
 def moving_limits(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat | None, parts: Parts, listed: Mask, held: Columns
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat | None,
+    parts: Parts,
+    listed: Mask,
+    with_friction: Columns,
 ) -> list[CheckColumn]:
     """Limits of a combination in motion that the moments decide.
 
     ``heating``: None of a stepper, of which no heat is computed. ``listed``: whether the brake goes with the motor.
-    ``held``: the motor by whose friction a load is held.
+    ``with_friction``: the motor by whose friction a load is held.
     """
-    found = [] if heating is None else _lasting_limits(spec, cycle, demand, heating, parts.motor)
-    found += inertia_limits(spec, cycle, demand, parts)
+    checks = [] if heating is None else _lasting_limits(spec, cycle, demand, heating, parts.motor)
+    checks += inertia_limits(spec, cycle, demand, parts)
     if parts.brake is not None:
-        found += brake_limits(spec, cycle, parts._replace(motor=held), demand, listed)
-    return unknown_where_doubtful(found, demand.complete)
+        checks += brake_limits(spec, cycle, parts._replace(motor=with_friction), demand, listed)
+    return unknown_where_doubtful(checks, demand.complete)
 
 
 def _lasting_limits(
@@ -216,7 +222,7 @@ def _lasting_limits(
     ]
     if spec.once:
         rated = [_of_one_run(check, heating, motor) for check in rated]
-    found = [
+    checks = [
         motor_speed_limit(demand.peak_speed, motor, speed),
         *rated,
         winding_limit(spec, heating.winding, motor),
@@ -225,9 +231,9 @@ def _lasting_limits(
         R_th1, R_th2 = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
         hottest = steady_winding_temperature(ambient, resistance_25(motor), _UNEVEN * R_th1, R_th2, demand.rms_current)
         limit = np.where(motor["kind"] == "brushed", np.inf, motor["max_winding_temperature"])
-        found.append(at_most("hottest_phase", np.asarray(hottest), limit, zero=ambient, needed=rise_needed(spec),
+        checks.append(at_most("hottest_phase", np.asarray(hottest), limit, zero=ambient, needed=rise_needed(spec),
                              advice=True, note=_UNEVEN_NOTE))  # fmt: skip
-    return found
+    return checks
 
 
 def _of_one_run(check: CheckColumn, heating: Heat, motor: Figures) -> CheckColumn:
@@ -257,15 +263,15 @@ _UNEVEN_NOTE = "at rest the hottest phase of a brushless motor has 1.5 to 2 time
 
 def inertia_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Inertia ratio and first resonance, which hang on no current: motor and load on the belt's stiffness."""
-    needs, found = spec.needs, []
+    needs, checks = spec.needs, []
     total = demand.total_ratio * cycle.belt
     own = drive_inertia(parts.motor, parts.gearhead, parts.encoder, brake_inertia(parts, cycle.belt)) * total**2
     if needs.inertia_ratio is not None:
-        found.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
+        checks.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
         first = resonance(spec.belt_stiffness, cycle.load_cycle.inertia, 1 + cycle.load_cycle.inertia / own)
-        found.append(at_least("first_resonance", needs.resonance, first.resonance))
-    return found
+        checks.append(at_least("first_resonance", needs.resonance, first.resonance))
+    return checks
 
 
 def electrical_limits(
@@ -282,7 +288,7 @@ def electrical_limits(
     of_stall = np.isnan(motor["resistance"] * motor["torque_constant"]) & ~np.isnan(stall)
     peak = np.where(np.isnan(motor["peak_torque"]), np.where(of_stall, stall, np.inf), motor["peak_torque"])
     time = stresses.current.time
-    found = [
+    checks = [
         at_most("motor_peak_torque", stresses.torque, peak, needed=needed, time=time),
         at_most("controller_continuous_current", demand.rms_current,
                 Range(lasting, lasting if lasting is printed else np.fmin(lasting, printed)),
@@ -294,7 +300,7 @@ def electrical_limits(
             "controller_speed", electrical_speed(demand, motor), motor["kind"], controller, spec.margins.speed
         ),
     ]  # fmt: skip
-    return unknown_where_doubtful(found, demand.complete)
+    return unknown_where_doubtful(checks, demand.complete)
 
 
 def most_current(spec: RobotSpec, controller: Figures) -> Array | Range:

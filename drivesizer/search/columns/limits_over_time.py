@@ -82,21 +82,21 @@ Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
 def cycle_figures(problem: Problem, draws: Sequence[Draw], **others: Array) -> dict[str, Array]:
     """Figures for objectives and records: energy of the first case, power in the hardest one, and others."""
     alike, machines = [case.spec.load.alike for case in problem.cases], problem.machine_cases
-    drawn = np.sum([alike[i] * draws[i].drawn for i in machines[0]], 0)
+    consumption = np.sum([alike[i] * draws[i].drawn for i in machines[0]], 0)
     returned = np.sum([alike[i] * draws[i].returned for i in machines[0]], 0)
     power = [np.sum([alike[i] * draws[i].peak for i in wheels], 0) for wheels in machines]
-    energy = drawn - problem.spec.supply.regeneration * returned
+    energy = consumption - problem.spec.supply.regeneration * returned
     return {"energy": energy, "returned": returned, "power": np.maximum.reduce(power), **others}
 
 
-def least(found: Pair, case: InCase) -> Pair:
+def least(pair: Pair, case: InCase) -> Pair:
     """The same; with incomplete demands only lower bounds are known: of the power what the load takes."""
     complete, cold = case.demand.complete, case.stresses.cold_voltage
     if complete.all():
-        return found
-    low, high = (Moments(*(np.where(complete, column, np.nan) for column in side)) for side in found)
-    taken = np.maximum(case.cycle.drawn_power, 0.0)
-    lowest_known = {"winding": case.heating.winding, "voltage": cold.value, "voltage_time": cold.time, "power": taken}
+        return pair
+    low, high = (Moments(*(np.where(complete, column, np.nan) for column in side)) for side in pair)
+    power = np.maximum(case.cycle.drawn_power, 0.0)
+    lowest_known = {"winding": case.heating.winding, "voltage": cold.value, "voltage_time": cold.time, "power": power}
     filled = {name: np.where(complete, getattr(low, name), column) for name, column in lowest_known.items()}
     return low._replace(**filled), high
 
@@ -110,26 +110,26 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
         for name in ("winding", "winding_time", "above", "power", "power_time")
     )
     bus = Range(_bus_voltage(spec, low, controller).low, _bus_voltage(spec, high, controller).high)
-    held = _HELD if spec.battery and spec.accepts_all else ""
+    note = _HELD if spec.battery and spec.accepts_all else ""
     checks = [
         winding_limit(spec, winding, parts.motor, warmest),
         voltage_limit(spec, low, high, controller),
         waived(spec, at_most("controller_peak_time", above, controller["peak_time"])),
-        bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=held),
+        bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=note),
         controller_power_limit(power, controller, supply.highest, needed=torque, time=at_power),
     ]  # fmt: skip
     if supply.current is not None:
-        drawn = Range(*(end * sets / supply.lowest for end in power))
-        checks.append(at_most("supply_current", drawn, supply.most_current, needed=torque, time=at_power))
+        current = Range(*(end * sets / supply.lowest for end in power))
+        checks.append(at_most("supply_current", current, supply.most_current, needed=torque, time=at_power))
     if supply.power is not None:
         checks.append(at_most("supply_power", Range(*(end * sets for end in power)), supply.power, needed=torque,
                               time=at_power))  # fmt: skip
     return checks
 
 
-def known_limits(case: InCase, found: Pair, parts: Parts) -> list[CheckColumn]:
+def known_limits(case: InCase, pair: Pair, parts: Parts) -> list[CheckColumn]:
     """The same, unknown where a demand is."""
-    return unknown_where_doubtful(waveform_limits(case.spec, *found, parts), case.demand.complete)
+    return unknown_where_doubtful(waveform_limits(case.spec, *pair, parts), case.demand.complete)
 
 
 def voltage_limit(spec: RobotSpec, low: Moments, high: Moments, controller: Figures) -> CheckColumn:
@@ -152,7 +152,7 @@ def kept_on_the_bus(spec: RobotSpec) -> Alike:
     return 0.0 * share if spec.accepts_all else share
 
 
-def _bus_voltage(spec: RobotSpec, found: Moments, controller: Figures) -> Range:
+def _bus_voltage(spec: RobotSpec, moments: Moments, controller: Figures) -> Range:
     """Highest voltage of the bus, with the energy that the supply does not accept in its capacitance [V].
 
     Where the supply accepts all, it stays at its highest: a battery is held to that at the largest return, with the
@@ -161,18 +161,18 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Figures) -> Range:
     """
     supply, chopper = spec.supply, spec.chopper_voltage
     if supply.capacitance is not None:
-        raised: Array = bus_voltage(supply.highest, found.stored * spec.load.motors, supply.capacitance)
+        raised: Array = bus_voltage(supply.highest, moments.stored * spec.load.motors, supply.capacitance)
         raised = raised if chopper is None else np.minimum(raised, np.maximum(chopper, supply.highest))
         return Range(raised, raised)
     if chopper is not None:
-        held = np.where(found.stored == 0.0, supply.highest, np.maximum(chopper, supply.highest))
-        held = np.where(np.isnan(found.stored), np.nan, held)
-        return Range(held, held)
+        voltage = np.where(moments.stored == 0.0, supply.highest, np.maximum(chopper, supply.highest))
+        voltage = np.where(np.isnan(moments.stored), np.nan, voltage)
+        return Range(voltage, voltage)
     least = least_capacitance(controller["continuous_current"], supply.highest)
     with np.errstate(divide="ignore", invalid="ignore"):
-        bound = bus_voltage(supply.highest, found.stored, least)  # each controller stores its own motor's return
-    return Range(np.where(found.stored == 0.0, supply.highest, np.nan),
-                 np.where(found.stored == 0.0, supply.highest, bound))  # fmt: skip
+        bound = bus_voltage(supply.highest, moments.stored, least)  # each controller stores its own motor's return
+    return Range(np.where(moments.stored == 0.0, supply.highest, np.nan),
+                 np.where(moments.stored == 0.0, supply.highest, bound))  # fmt: skip
 
 
 def bounds(case: InCase, parts: Parts) -> Pair:
@@ -229,9 +229,9 @@ def _least_kept(case: InCase, parts: Parts) -> Array:
     with a winding as warm as it may be, the share s that is kept, and work W_- of all that brakes.
     """
     spec, cycle, demand, heating, stresses = case
-    share, found = kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
+    share, energy = kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
     if not share > 0.0 or not cycle.base.hardest_braking:
-        return found
+        return energy
     motor, stage = parts.motor, spec.feed(parts.controller).stage
     hot = _hottest_resistance(temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor), motor)
     c, ratio = demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
@@ -240,9 +240,9 @@ def _least_kept(case: InCase, parts: Parts) -> Array:
         square = np.maximum(((c @ together) * c).sum(axis=1), 0.0) / motor["torque_constant"] ** 2  # A^2*s
         lost = (hot + stage.resistance) * square + stage.least_loss * np.sqrt(total * square)
         lost = lost + apart * np.sqrt(together[SPEED, SPEED] * square)
-        kept = -ratio * (c @ together[:, SPEED]) - lost - (1.0 - share) * ratio * (c @ against)
-        found = np.fmax(kept * (1.0 - _ROUNDING), found)
-    return found
+        E = -ratio * (c @ together[:, SPEED]) - lost - (1.0 - share) * ratio * (c @ against)
+        energy = np.fmax(E * (1.0 - _ROUNDING), energy)
+    return energy
 
 
 def _permitted(temperature: Array, motor: Figures) -> Array:
@@ -280,20 +280,20 @@ def exact(
     """
     spec, cycle, demand, heating, stresses = case
     ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
-    kept = kept_on_the_bus(spec)
-    level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
+    share = kept_on_the_bus(spec)
+    level = ENERGY if what == "all" or np.any(share > 0.0) else POWER
     drives = drives_of(
-        ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
+        ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=share,
         limit=controller_current(parts.controller, ambient), error=error, band=band, cold=spec.once,
     )  # fmt: skip
-    every, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
+    all_rows, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
     if not len(rows):
-        return _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
-    warmest = np.broadcast_to(temperature_at_most(ambient, cycle, heating, stresses, motor), every.shape)
-    mean = np.broadcast_to(heating.winding, every.shape)
+        return _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, all_rows)
+    warmest = np.broadcast_to(temperature_at_most(ambient, cycle, heating, stresses, motor), all_rows.shape)
+    mean = np.broadcast_to(heating.winding, all_rows.shape)
     held_mean = np.where(np.isfinite(mean), mean, np.nan) - ambient
     drives = drives._replace(held=_permitted(warmest, motor) - ambient, held_mean=held_mean)
-    least_of, high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
+    least_of, high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, all_rows)
     cold, _ = _moments(ambient, cycle, held(drives, 0.0, 0.0), feed, stresses.cold_voltage, level, rows)
     low = Moments(*(column.copy() for column in least_of))
     for name in ("voltage", "voltage_time", "power", "power_time"):
@@ -303,33 +303,33 @@ def exact(
     return low, high
 
 
-def over_waveform(case: InCase, parts: Parts, what: Waveform, alive: Mask, each: Collection[str] = ()) -> Pair:
+def over_waveform(case: InCase, parts: Parts, what: Waveform, alive: Mask, exact_checks: Collection[str] = ()) -> Pair:
     """Peaks and heat over the waveform, of what is ``alive``: by bounds, and as far as that is wanted computed."""
     if what in ("limits", "all"):
         return least(exact(case, parts, what), case)
-    found, spec = bounds(case, parts), case.spec
+    pair, spec = bounds(case, parts), case.spec
     if what == "open":
-        limits = waveform_limits(spec, *found, parts)
-        every = not {check.name for check in limits}.isdisjoint(each)
-        wanted = case.demand.complete & (alive | every)  # else it stays unknown whatever the waveform says
+        limits = waveform_limits(spec, *pair, parts)
+        in_full = not {check.name for check in limits}.isdisjoint(exact_checks)
+        eligible = case.demand.complete & (alive | in_full)  # else it stays unknown whatever the waveform says
         decided = np.logical_and.reduce([check.passed for check in limits])
-        if not every:  # what fails by its bounds is left as it is
+        if not in_full:  # what fails by its bounds is left as it is
             decided |= np.logical_or.reduce([check.failed for check in limits])
-        rows = np.flatnonzero(wanted & ~decided)
-        few, own = parts.on(rows), on(found, rows)
+        rows = np.flatnonzero(eligible & ~decided)
+        few, own = parts.on(rows), on(pair, rows)
         left = left_open(spec, own, few) & alive[rows]
-        if every:
+        if in_full:
             left |= ~np.logical_and.reduce([check.passed for check in waveform_limits(spec, own[1], own[1], few)])
         if left.any():
-            found = put(found, rows[left], exact(case.on(rows[left]), few.on(left), "limits"))
-    return least(found, case)
+            pair = put(pair, rows[left], exact(case.on(rows[left]), few.on(left), "limits"))
+    return least(pair, case)
 
 
-def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> Mask:
+def left_open(spec: RobotSpec, pair: Pair, parts: Parts) -> Mask:
     """Candidates that fail on no limit of the waveform by their bounds, and of which one may be met or not."""
-    both = list(zip(*(waveform_limits(spec, side, side, parts) for side in found), strict=True))
-    fails = np.logical_or.reduce([a.failed & b.failed for a, b in both])
-    left = np.logical_or.reduce([(a.passed != b.passed) | (a.failed != b.failed) for a, b in both])
+    ends = list(zip(*(waveform_limits(spec, side, side, parts) for side in pair), strict=True))
+    fails = np.logical_or.reduce([a.failed & b.failed for a, b in ends])
+    left = np.logical_or.reduce([(a.passed != b.passed) | (a.failed != b.failed) for a, b in ends])
     return np.asarray(left & ~fails, bool)
 
 
@@ -341,22 +341,22 @@ def _moments(ambient: Alike, cycle: AtGearhead, drives: Drive, feed: Feed, cold:
     count, total = len(drives.course), cycle.load_cycle.total
     feed = feed.broadcast(count).on(rows)
     ambient, total, volts, when = (np.broadcast_to(x, count)[rows] for x in (ambient, total, *cold))
-    found, standby = evaluate(drives, cycle.load_cycle, level, rows), feed.stage.standby
-    ends = (found.least_voltage, found.least_voltage_time), (found.voltage, found.voltage_time)
+    figures, standby = evaluate(drives, cycle.load_cycle, level, rows), feed.stage.standby
+    ends = (figures.least_voltage, figures.least_voltage_time), (figures.voltage, figures.voltage_time)
     (low, when_low), (top, when_high) = (
         (np.where(volts > V, volts, V), np.where(volts > V, when, t)) for V, t in ends
     )  # fmt: skip
     high = Moments(
-        winding=found.winding + ambient,
-        winding_time=found.winding_time,
+        winding=figures.winding + ambient,
+        winding_time=figures.winding_time,
         voltage=top,
         voltage_time=when_high,
-        copper=found.copper,
-        power=of_the_source(found.power + standby, feed),
-        power_time=found.power_time,
-        drawn=found.drawn + found.source_heat + standby * total,
-        returned=found.returned,
-        stored=np.zeros_like(found.power) if level == POWER else found.stored,
-        above=found.above,
+        copper=figures.copper,
+        power=of_the_source(figures.power + standby, feed),
+        power_time=figures.power_time,
+        drawn=figures.drawn + figures.source_heat + standby * total,
+        returned=figures.returned,
+        stored=np.zeros_like(figures.power) if level == POWER else figures.stored,
+        above=figures.above,
     )
     return high._replace(voltage=low, voltage_time=when_low), high

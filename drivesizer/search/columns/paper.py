@@ -37,7 +37,7 @@ class Derivation:
         self._keep(declared, value, (name, symbol, title), declared.note, inputs, declared)
         return value
 
-    def given(self, like: Equation, value: Alike, *, name: str = "", symbol: str = "", title: str = "") -> Alike:
+    def from_spec(self, like: Equation, value: Alike, *, name: str = "", symbol: str = "", title: str = "") -> Alike:
         """Keep a figure that the spec gives in place of an equation."""
         self._keep(like, value, (name, symbol, title), "given in the spec", {})
         return value
@@ -66,7 +66,7 @@ def vehicle(spec: RobotSpec, rotor_inertia: Alike) -> Derivation:
     if load.sinkage is not None:
         C_rr = d.step(eq.rolling_resistance_coefficient, z=load.sinkage, d=wheel)
     else:
-        C_rr = d.given(eq.rolling_resistance_coefficient, load.rolling_resistance)
+        C_rr = d.from_spec(eq.rolling_resistance_coefficient, load.rolling_resistance)
     F_nom = d.step(eq.nominal_force, C_rr=C_rr, m_R=m_R, g=g, theta=load.slope)
     M_nom = d.step(eq.nominal_torque, d=wheel, F_nom=F_nom, delta=factors.bearing)
     d.step(eq.nominal_torque_per_motor, M_nom=M_nom, N=N)
@@ -76,7 +76,9 @@ def vehicle(spec: RobotSpec, rotor_inertia: Alike) -> Derivation:
     d.step(eq.mechanical_power_per_motor, PF=PF, F_nom=F_nom, m_R=m_R, a=a, V_nom=V_nom, kappa=kappa, N=N)
     J_s = 0.0
     if load.cylinders is None:
-        J_w = d.given(eq.cylinder_inertia, load.inertia, name="wheel_inertia", symbol="J_w", title="Inertia of a wheel")
+        J_w = d.from_spec(
+            eq.cylinder_inertia, load.inertia, name="wheel_inertia", symbol="J_w", title="Inertia of a wheel"
+        )
     else:
         J_w = _cylinder(d, "wheel", "w", load.cylinders.wheel)
         J_s = _cylinder(d, "shaft", "s", load.cylinders.shaft) if load.cylinders.shaft else 0.0
@@ -212,12 +214,12 @@ def hopeless(spec: RobotSpec, catalog: Catalog, motor: Whole, gearhead: Whole, b
     that turns too fast is none that is allowed.
     """
     wheel, gears = vehicle(spec, catalog.motors["rotor_inertia"]).steps, catalog.gearheads
-    found: Mask = _power(wheel, catalog.motors).failed[motor]
-    left = np.flatnonzero(~found)
+    fails: Mask = _power(wheel, catalog.motors).failed[motor]
+    left = np.flatnonzero(~fails)
     row = gearhead[left]
     n_motor = wheel["nominal_speed"].value * gears["ratio"][row] * belt[left]
-    found[left] = n_motor > gears["continuous_input_speed"][row]
-    return found
+    fails[left] = n_motor > gears["continuous_input_speed"][row]
+    return fails
 
 
 def _groups(catalog: Catalog, motor: Whole, gearhead: Whole) -> Whole:

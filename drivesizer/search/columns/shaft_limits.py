@@ -143,7 +143,7 @@ def _of_the_load(spec: RobotSpec, shaft: Shaft, cycle: AtGearhead) -> Carried | 
     if home == "hoist":
         return Carried(load.drum_diameter, load.rope_efficiency)
     if home == "screw":
-        thrust = next(one.demand for one in cycle.load_cycle.own if one.name == THRUST)
+        thrust = next(limit.demand for limit in cycle.load_cycle.own if limit.name == THRUST)
         return Carried(math.inf, thrust=thrust)
     vehicle: Alike = load if isinstance(load, WheeledVehicle) else None
     on_wheel = shaft.wheel_load
@@ -160,30 +160,30 @@ def shaft_loads(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None) -> 
     needs = spec.needs
     if spec.shaft is None and needs.radial_load is needs.axial_load is needs.tilting_moment is None:
         return None
-    one = carried(spec, cycle, drive) or Carried(math.inf, radial=lambda _: 0.0)
-    along = _tangential(cycle, one)
+    load = carried(spec, cycle, drive) or Carried(math.inf, radial=lambda _: 0.0)
+    along = _tangential(cycle, load)
     further = (needs.radial_load, needs.axial_load, needs.tilting_moment)
-    forces = _forces(one, *(0.0 if x is None else x for x in further))
+    forces = _forces(load, *(0.0 if x is None else x for x in further))
     largest = along.max(axis=(0, 1))
     duration, speed = cycle.load_cycle.duration, cycle.base.speed * cycle.belt
     radial, axial, moment = (force(largest) for force in forces)
-    return ShaftLoads(radial, axial, moment, one.least, forces, along, duration, speed)
+    return ShaftLoads(radial, axial, moment, load.least, forces, along, duration, speed)
 
 
-def _tangential(cycle: AtGearhead, one: Carried) -> Alike:
+def _tangential(cycle: AtGearhead, load: Carried) -> Alike:
     """Force that the torque makes at both ends of each segment; where the load drives, that before the losses."""
     functions = cycle.base.functions
-    each = np.moveaxis(functions, 2, 0) if functions.ndim == 3 else functions
-    torque = np.abs(each[DRIVING]) + np.abs(each[BRAKING]) / one.back + np.abs(each[AT_REST])
-    return torque / cycle.belt / (one.diameter / 2.0)
+    by_function = np.moveaxis(functions, 2, 0) if functions.ndim == 3 else functions
+    torque = np.abs(by_function[DRIVING]) + np.abs(by_function[BRAKING]) / load.back + np.abs(by_function[AT_REST])
+    return torque / cycle.belt / (load.diameter / 2.0)
 
 
-def _forces(one: Carried, radial: Alike, axial: Alike, moment: Alike) -> tuple[Force, ...]:
+def _forces(load: Carried, radial: Alike, axial: Alike, moment: Alike) -> tuple[Force, ...]:
     """Radial and axial force, and moment beside the radial force's, by the tangential force and what is added."""
-    share, arm = one.axial_share, one.axial_share * one.diameter / 2.0 if np.any(one.axial_share) else 0.0
+    share, arm = load.axial_share, load.axial_share * load.diameter / 2.0 if np.any(load.axial_share) else 0.0
     return (
-        lambda along: one.radial(along) + radial,
-        lambda along: share * along + one.thrust + axial,
+        lambda along: load.radial(along) + radial,
+        lambda along: share * along + load.thrust + axial,
         lambda along: arm * along + moment,
     )
 
@@ -207,15 +207,15 @@ def loads_on_gearheads(
     if loads is None:
         return []
     needed, needs = spec.margins.torque, spec.needs
-    found = []
+    checks = []
     if spec.shaft is not None or needs.radial_load is not None:
         limit = _radial_limit(spec, gearhead)
-        found.append(_known(at_most("gearhead_radial_load", loads.radial, limit, needed=needed), loads))
+        checks.append(_known(at_most("gearhead_radial_load", loads.radial, limit, needed=needed), loads))
     if _has_thrust(spec, loads):
-        found.append(at_most("gearhead_axial_load", loads.axial, gearhead["max_axial_load"], needed=needed))
+        checks.append(at_most("gearhead_axial_load", loads.axial, gearhead["max_axial_load"], needed=needed))
     if (spec.shaft is not None and spec.shaft.distance is not None) or needs.tilting_moment is not None:
-        found.append(_known(_tilting(spec, loads, gearhead), loads))
-    return found + _bearing(spec, spec.shaft, loads, gearhead) if spec.shaft else found
+        checks.append(_known(_tilting(spec, loads, gearhead), loads))
+    return checks + _bearing(spec, spec.shaft, loads, gearhead) if spec.shaft else checks
 
 
 def _has_thrust(spec: RobotSpec, loads: ShaftLoads) -> bool:
@@ -224,8 +224,8 @@ def _has_thrust(spec: RobotSpec, loads: ShaftLoads) -> bool:
 
 def _distance(spec: RobotSpec, part: Alike) -> Alike:
     """Distance of the radial force: the spec's, or that of the printed limit."""
-    given = spec.shaft.distance if spec.shaft else None
-    return part["radial_load_distance"] if given is None else given
+    distance = spec.shaft.distance if spec.shaft else None
+    return part["radial_load_distance"] if distance is None else distance
 
 
 def _behind_the_face(gearhead: Figures) -> Alike:
@@ -242,9 +242,9 @@ def _radial_limit(spec: RobotSpec, gearhead: Figures) -> Alike:
     if spec.shaft is None or spec.shaft.distance is None:
         return limit
     at, bearing = gearhead["radial_load_distance"], _behind_the_face(gearhead)
-    moved = permissible_radial(limit, at, spec.shaft.distance, bearing)
-    moved = np.where(np.isnan(at) & ~np.isnan(moment), limit, moved)
-    return np.where(np.isnan(limit) & ~np.isnan(moment), np.inf, moved)
+    at_distance = permissible_radial(limit, at, spec.shaft.distance, bearing)
+    at_distance = np.where(np.isnan(at) & ~np.isnan(moment), limit, at_distance)
+    return np.where(np.isnan(limit) & ~np.isnan(moment), np.inf, at_distance)
 
 
 def _turned(force: Alike, lever: Alike) -> Alike:
@@ -278,14 +278,14 @@ def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Figures
     still = static_load(loads.radial, loads.axial, turning, diameter) * shaft.static_safety
     static, dynamic = limit("bearing_static_load"), limit("bearing_dynamic_load")
     still = np.where(np.isposinf(static), 0.0, still)
-    found = [_known(at_most("gearhead_bearing_static", still, static), loads)]
+    checks = [_known(at_most("gearhead_bearing_static", still, static), loads)]
     required = required_life(spec.needs.life, "output_bearing")
     if required is not None and not spec.once:
         radial, axial, moment = loads.means
         load = dynamic_load(radial, axial, _turned(radial, lever) + moment, diameter) * shaft.load_factor
         life = bearing_life(dynamic, np.where(np.isposinf(dynamic), 0.0, load), loads.mean_speed)
-        found.append(_known(at_most("gearhead_bearing_life", required, life), loads))
-    return found
+        checks.append(_known(at_most("gearhead_bearing_life", required, life), loads))
+    return checks
 
 
 def loads_on_motors(
@@ -295,28 +295,28 @@ def loads_on_motors(
     loads = shaft_loads(spec, cycle, drive)
     if loads is None:
         return []
-    direct, needed, found = gearhead["kind"] == DIRECT, spec.margins.torque, []
+    direct, needed, checks = gearhead["kind"] == DIRECT, spec.margins.torque, []
     if spec.shaft is not None or spec.needs.radial_load is not None:
         limit = motor["max_radial_load"]
         if spec.shaft is not None and spec.shaft.distance is not None:
             limit = permissible_radial(limit, motor["radial_load_distance"], spec.shaft.distance, np.nan)
         limit = np.where(direct, limit, np.inf)
-        found.append(_known(at_most("motor_radial_load", loads.radial, limit, needed=needed), loads))
+        checks.append(_known(at_most("motor_radial_load", loads.radial, limit, needed=needed), loads))
     if _has_thrust(spec, loads):
         limit = np.where(direct, motor["max_axial_load"], np.inf)
-        found.append(at_most("motor_axial_load", loads.axial, limit, needed=needed))
-    return found
+        checks.append(at_most("motor_axial_load", loads.axial, limit, needed=needed))
+    return checks
 
 
 def life_of_gearheads(cycle: AtGearhead, gearhead: Figures, rated: str = "rated_life") -> Array:
     """Nominal life of gearheads by their rated life, at rated torque and speed."""
     life, exponent = gearhead[rated], gearhead["life_exponent"]
     speed = np.where(np.isnan(gearhead["rated_speed"]), gearhead["continuous_input_speed"], gearhead["rated_speed"])
-    found = np.full(np.shape(life), np.nan)
+    lives = np.full(np.shape(life), np.nan)
     for p in distinct(exponent[~np.isnan(exponent)]).tolist():
         turned = cycle.turned(p) * gearhead["ratio"]
-        found = np.where(exponent == p, gear_life(life, gearhead["continuous_torque"], speed, turned, p), found)
-    return np.where(np.isposinf(life), np.inf, found)
+        lives = np.where(exponent == p, gear_life(life, gearhead["continuous_torque"], speed, turned, p), lives)
+    return np.where(np.isposinf(life), np.inf, lives)
 
 
 def shock_limits(spec: RobotSpec, torque: float, cycle: AtGearhead, gearhead: Figures) -> list[CheckColumn]:

@@ -94,10 +94,10 @@ def amount_of(checks: Sequence[CheckColumn], count: int, margins: bool = True) -
 
 def bits_of(names: Collection[str]) -> NDArray[np.uint64]:
     """The bits of some checks, as ``Amount.unknown`` has them."""
-    found = np.zeros(1 + len(_BITS) // _WORD, np.uint64)
+    bits = np.zeros(1 + len(_BITS) // _WORD, np.uint64)
     for word, bit in (_BITS[name] for name in names):
-        found[word] |= bit
-    return found
+        bits[word] |= bit
+    return bits
 
 
 def _least_margin(checks: Sequence[CheckColumn], count: int) -> Array:
@@ -145,17 +145,17 @@ class _Sieve:
     def on(self, rows: Whole | slice) -> _Sieve:
         """Some of the candidates that are left, of which nothing is counted."""
         kind = {"margins": self.margins, "staged": self.staged, "known": self.known}
-        some = _Sieve(self.rows[rows], on(self.amount, rows), **kind)
-        some.checks = [check.on(rows) for check in self.checks]
-        return some
+        sieve = _Sieve(self.rows[rows], on(self.amount, rows), **kind)
+        sieve.checks = [check.on(rows) for check in self.checks]
+        return sieve
 
     def part(self, rows: slice) -> _Sieve:
         """Some of the candidates that are left; what was counted goes with the first."""
-        some = self.on(rows)
-        some.aside = self.aside
+        sieve = self.on(rows)
+        sieve.aside = self.aside
         if not rows.start:
-            some.failed_by, some.rejected = self.failed_by, self.rejected
-        return some
+            sieve.failed_by, sieve.rejected = self.failed_by, self.rejected
+        return sieve
 
     def with_encoders(self, inertia: Array, checks: list[CheckColumn]) -> Whole | slice:
         """The same of candidates with encoders; what fails by the inertia of one alone is set aside for an easier one.
@@ -182,19 +182,19 @@ class _Sieve:
         if not self.staged:
             self.checks += checks
             return slice(None)
-        checks, kept = [check for check in checks if not check.advice], slice(None)
+        checks, rows = [check for check in checks if not check.advice], slice(None)
         if not checks or not len(self.rows):
-            return kept
+            return rows
         for check in checks:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
-        found = amount_of(checks, len(self.rows), self.margins)
-        gone = found.failed | (self.amount.unknown | found.unknown).any(axis=1) if self.known else found.failed
+        amount = amount_of(checks, len(self.rows), self.margins)
+        gone = amount.failed | (self.amount.unknown | amount.unknown).any(axis=1) if self.known else amount.failed
         if not gone.any():
-            self.amount = self.amount.plus(found)
-            return kept
-        out, left = np.flatnonzero(found.failed), np.flatnonzero(~gone)
+            self.amount = self.amount.plus(amount)
+            return rows
+        out, left = np.flatnonzero(amount.failed), np.flatnonzero(~gone)
         self.rejected.append((self.rows[out], _least_margin([check.on(out) for check in checks], len(out))))
-        self.rows, self.amount = self.rows[left], on(self.amount, left).plus(on(found, left))
+        self.rows, self.amount = self.rows[left], on(self.amount, left).plus(on(amount, left))
         return left
 
 
@@ -203,7 +203,7 @@ def examine(
     sets: Candidates | Crossed,
     *,
     waveform: Waveform = "all",
-    each: Collection[str] = (),
+    exact_checks: Collection[str] = (),
     margins: bool = False,
     offered: Offers | None = None,
     known: bool = False,
@@ -217,8 +217,8 @@ def examine(
         started = _by_parts(problem, offered, sets, margins, known)
     else:
         started = _all_the_way(problem, offered, sets)
-    for sieve, some in started:
-        yield from _combined(problem, offered, sieve, some, waveform, each)
+    for sieve, batch in started:
+        yield from _combined(problem, offered, sieve, batch, waveform, exact_checks)
 
 
 # -- The first stage: load, gearhead and motor alone.
@@ -251,8 +251,8 @@ def _by_parts(
 
     def margin(belt: Whole, row: Whole) -> Array:
         at = belt * count + pairs.gearhead[row]
-        found: Array = np.minimum(gear.margin[at], motor.margin[pairs.motor[row]])
-        return np.minimum(found, load.margin[belt], out=found)
+        least: Array = np.minimum(gear.margin[at], motor.margin[pairs.motor[row]])
+        return np.minimum(least, load.margin[belt], out=least)
 
     motors = np.bincount(pairs.motor, minlength=len(catalog.motors))
     gears = np.bincount(pairs.gearhead, minlength=count)
@@ -264,8 +264,8 @@ def _by_parts(
     belt, row = (np.concatenate(x) for x in (_numbers(near), near))
     rejected = [(belt * len(pairs.motor) + row, margin(belt, row))]
     belt, row = (np.concatenate(x) for x in (_numbers(left), left))
-    for some in _together([len(rows) for rows in left], belts):
-        b, r = belt[some], row[some]
+    for rows in _together([len(rows) for rows in left], belts):
+        b, r = belt[rows], row[rows]
         sets = pairs.on(r)._replace(belt=np.array(crossed.belts)[b])
         amount = on(gear, b * count + sets.gearhead).plus(on(motor, sets.motor)).plus(on(load, b))
         sieve = _Sieve(b * len(pairs.motor) + r, amount, margins=margins, known=known)
@@ -275,22 +275,22 @@ def _by_parts(
 
 
 def _numbers(rows: Sequence[Whole]) -> list[Whole]:
-    return [np.full(len(some), number) for number, some in enumerate(rows)]
+    return [np.full(len(group), number) for number, group in enumerate(rows)]
 
 
 def _all_the_way(problem: Problem, offered: Offers, sets: Candidates) -> Iterator[tuple[_Sieve, Candidates]]:
     """All candidates, with the checks of their parts in full, so many at a time."""
     counts = np.unique(sets.belt, return_counts=True)[1]
     for rows in _together(counts.tolist(), belts_together(problem)) if len(counts) else ():
-        some, count = sets.on(rows), rows.stop - rows.start
-        cycles = _behind(problem, some.belt)
+        batch, count = sets.on(rows), rows.stop - rows.start
+        cycles = _behind(problem, batch.belt)
         sieve = _Sieve(np.arange(rows.start, rows.stop), amount_of((), count), staged=False)
         sieve.checks = [
             *_of_load(problem, cycles, count),
-            *_of_gearheads(problem, cycles, Rows(problem.catalog.gearheads, some.gearhead)),
-            *(check.on(some.motor) for check in offered.motor_limits),
+            *_of_gearheads(problem, cycles, Rows(problem.catalog.gearheads, batch.gearhead)),
+            *(check.on(batch.motor) for check in offered.motor_limits),
         ]
-        yield sieve, some
+        yield sieve, batch
 
 
 def _behind(problem: Problem, belt: Array) -> list[AtGearhead]:
@@ -359,7 +359,7 @@ def _combined(
     sieve: _Sieve,
     sets: Candidates,
     waveform: Waveform,
-    each: Collection[str],
+    exact_checks: Collection[str],
     below: Array | float = np.inf,
 ) -> Iterator[Examined]:
     """Candidates of which no part fails, some at a time; those that fail with an encoder again with an easier one.
@@ -367,7 +367,7 @@ def _combined(
     ``below``: inertia of the encoders that are left [kg*m^2].
     """
     catalog, spec, steps = problem.catalog, problem.spec, has_steppers(problem.catalog)
-    entered, every = sieve.on(slice(None)), sets
+    entered, all_sets = sieve.on(slice(None)), sets
     cycles, cases = _behind(problem, sets.belt), problem.cases
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
 
@@ -386,18 +386,20 @@ def _combined(
         keep = sieve.through(limits.size_limits(spec, parts.motor, parts.gearhead, parts.brake))
         parts, cycles, turned = on((parts, cycles, turned), keep)
 
-    def moved(k: int, each: Parts) -> Moving:
-        turning = each._replace(motor=steppers.Frictionless(each.motor)) if steps else each
+    def motion(k: int, parts: Parts) -> Moving:
+        turning = parts._replace(motor=steppers.Frictionless(parts.motor)) if steps else parts
         return in_motion(cases[k], cycles[k], turning)
 
-    def at_moments(k: int, each: Parts, moving: Moving) -> list[CheckColumn]:
+    def at_moments(k: int, parts: Parts, moving: Moving) -> list[CheckColumn]:
         listed = (
-            offered.brakes.goes(each.motor.rows, each.brake.rows) if offered.brakes and each.brake else np.ones(1, bool)
+            offered.brakes.goes(parts.motor.rows, parts.brake.rows)
+            if offered.brakes and parts.brake
+            else np.ones(1, bool)
         )
         heating = None if steps else moving.heating
-        return limits.moving_limits(cases[k].spec, cycles[k], moving.demand, heating, each, listed, each.motor)
+        return limits.moving_limits(cases[k].spec, cycles[k], moving.demand, heating, parts, listed, parts.motor)
 
-    moving = [moved(k, parts) for k in range(len(cases))]
+    moving = [motion(k, parts) for k in range(len(cases))]
 
     def by_moments(k: int) -> list[CheckColumn]:
         checks = at_moments(k, parts, moving[k])
@@ -406,7 +408,7 @@ def _combined(
         tables = [problem.opposite.table(name) for name in ("motors", "gearheads", "encoders", "controllers", "brakes")]
         pairs = zip(tables, parts, strict=True)
         there = Parts._make(None if part is None else Rows(table, part.rows) for table, part in pairs)
-        ends = {check.name: check for check in at_moments(k, there, moved(k, there))}
+        ends = {check.name: check for check in at_moments(k, there, motion(k, there))}
         rows = np.arange(len(parts.motor.rows))
         return [over_ends(c, [ends[c.name]], rows) if c.name in _BY_INERTIA else c for c in checks]
 
@@ -414,24 +416,28 @@ def _combined(
     parts, cycles, moving, turned = on((parts, cycles, moving, turned), keep)
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]  # that of the mean
     for rows in _computed_together(problem, cycles[0], len(parts.motor.rows), steps):
-        some, few = sieve.part(rows), parts.on(rows)
+        batch, few = sieve.part(rows), parts.on(rows)
         behind, of_cases = [cycle.on(rows) for cycle in cycles], [on(case, rows) for case in moving]
         if steps:
             demand = [case.demand for case in of_cases]
-            found = steppers.stepped(problem, offered.controllers, behind, demand, few, staged=sieve.staged)
+            result = steppers.stepped(problem, offered.controllers, behind, demand, few, staged=sieve.staged)
         else:
-            found = powered(problem, offered.controllers, behind, of_cases, few, waveform=waveform, each=each)
-        keep = some.with_encoders(turned[rows], found.checks)
+            result = powered(
+                problem, offered.controllers, behind, of_cases, few, waveform=waveform, exact_checks=exact_checks
+            )
+        keep = batch.with_encoders(turned[rows], result.checks)
         brake = np.full(len(few.motor.rows), -1) if few.brake is None else few.brake.rows
-        chosen = on((few.encoder.rows, found.controller, brake, found.figures), keep)
-        none = some.rows[:0], np.zeros(0)
-        rejected = [np.concatenate(columns) for columns in zip(none, *some.rejected, strict=True)]
-        yield Examined(Drives(some.rows, some.amount, *chosen), some.checks, some.failed_by, *rejected)
+        parts_and_figures = on((few.encoder.rows, result.controller, brake, result.figures), keep)
+        none = batch.rows[:0], np.zeros(0)
+        rejected = [np.concatenate(columns) for columns in zip(none, *batch.rejected, strict=True)]
+        yield Examined(Drives(batch.rows, batch.amount, *parts_and_figures), batch.checks, batch.failed_by, *rejected)
     if sieve.aside:
-        again, inertia = (np.concatenate(columns) for columns in zip(*sieve.aside, strict=True))
-        in_order = np.argsort(again)
-        left = np.searchsorted(entered.rows, again[in_order])
-        yield from _combined(problem, offered, entered.on(left), every.on(left), waveform, each, inertia[in_order])
+        numbers, inertia = (np.concatenate(columns) for columns in zip(*sieve.aside, strict=True))
+        in_order = np.argsort(numbers)
+        left = np.searchsorted(entered.rows, numbers[in_order])
+        yield from _combined(
+            problem, offered, entered.on(left), all_sets.on(left), waveform, exact_checks, inertia[in_order]
+        )
 
 
 def parts_of(
@@ -475,11 +481,11 @@ def in_motion(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
 def _computed_together(problem: Problem, cycle: AtGearhead, count: int, steps: bool) -> list[slice]:
     """Candidates that are computed together: behind as many belts as their waveforms have room."""
     most = _CELLS // problem.segments if problem.segments <= _SHORT else _MOST
-    found = list[slice]()
+    slices = list[slice]()
     for _, rows in belts_of(cycle, count):
-        start = found[-1].start if found else 0
-        if found and (steps or rows.stop - start <= most):
-            found[-1] = slice(start, rows.stop)
+        start = slices[-1].start if slices else 0
+        if slices and (steps or rows.stop - start <= most):
+            slices[-1] = slice(start, rows.stop)
         else:
-            found.append(rows)
-    return found if len(found) > 1 else [slice(None)]
+            slices.append(rows)
+    return slices if len(slices) > 1 else [slice(None)]

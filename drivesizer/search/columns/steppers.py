@@ -80,9 +80,9 @@ class PullOut(NamedTuple):
         count = max(len(self.motor["nominal_current"]), len(self.motor[STEPPER]))
         motor = {name: np.broadcast_to(self.motor[name], count)[rows] for name in _CURVE}
         volts = volts if np.ndim(volts) == 0 else np.broadcast_to(volts, count)[rows]
-        found: Array = available_torque(motor, self.curves, speed, volts)
-        found *= np.broadcast_to(self.factor, count)[rows][:, None]
-        return found
+        torque: Array = available_torque(motor, self.curves, speed, volts)
+        torque *= np.broadcast_to(self.factor, count)[rows][:, None]
+        return torque
 
 
 def stepped(
@@ -95,11 +95,11 @@ def stepped(
     staged: bool,
 ) -> Powered:
     """Drivers, and every check of steppers that hangs on the load cycle."""
-    catalog, motor, given = problem.catalog, parts.motor, parts.controller
+    catalog, motor, preset = problem.catalog, parts.motor, parts.controller
     current = motor["nominal_current"]
     thin = max(controller_needed(case.spec, 0.0) for case in problem.cases)
     row, _ = controllers(problem.spec, catalog, motor.rows, Required(current, amplitude(current), lasting=thin), usable)
-    row = row if given is None else np.where(given.rows == FREE, row, given.rows)
+    row = row if preset is None else np.where(preset.rows == FREE, row, preset.rows)
     parts = parts._replace(controller=Rows(catalog.controllers, row))
     of_driver = [usable.available(motor.rows, row), *driver_limits(current, parts.controller, thin, usable.ambient)]
     if problem.spec.control.phase_current is not None:
@@ -108,7 +108,7 @@ def stepped(
     in_cases = [*zip([case.spec for case in problem.cases], cycles, demand, strict=True)]
     first = worst_of_all(torque_limits(*case, parts, pull_out, advice=not staged) for case in in_cases)
     dead: Mask = np.logical_or.reduce([c.failed for c in (*first, *of_driver) if not c.advice])
-    draws = [drawn(*case, parts, ~(dead & staged)) for case in in_cases]
+    draws = [draw_of(*case, parts, ~(dead & staged)) for case in in_cases]
     printed = catalog.steppers["supply_max"][motor[STEPPER]]
     specs = (spec for spec, *_ in in_cases)
     last = worst_of_all(supply_limits(spec, draw, parts, printed) for spec, draw in zip(specs, draws, strict=True))
@@ -136,13 +136,13 @@ def torque_limits(
     spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, pull_out: PullOut, *, advice: bool = False
 ) -> list[CheckColumn]:
     """Torque of motors against what they can give at their speed, at rest and at the start, and their steps."""
-    found = [
+    checks = [
         _at_each_speed(spec, cycle, demand, pull_out),
         *_at_rest(spec, cycle, demand, parts, pull_out),
         *_resolution(spec, cycle, demand, parts),
         *(_advice(spec, cycle, demand, parts) if advice else ()),
     ]
-    return unknown_where_doubtful(found, demand.complete)
+    return unknown_where_doubtful(checks, demand.complete)
 
 
 def _at_rest(
@@ -156,8 +156,8 @@ def _at_rest(
     at_rest = pull_out.torque(np.zeros((len(torque), 1)), volts)[:, 0]
     still: Mask = np.asarray(~speed.any(axis=2))
     if spec.control.idle_current is not None and still.any():
-        held = np.where(still[:, :, None], torque, 0.0).max(axis=(1, 2))
-        yield at_most("idle_torque", held, spec.control.idle_current * at_rest, needed=needed)
+        holding_torque = np.where(still[:, :, None], torque, 0.0).max(axis=(1, 2))
+        yield at_most("idle_torque", holding_torque, spec.control.idle_current * at_rest, needed=needed)
     if spec.needs.start_speed is not None:  # against the largest torque at constant speed
         changes = np.abs(cycle.base.functions[..., ACCELERATION] if cycle.base.functions.ndim == 3 else
                          np.moveaxis(cycle.base.functions[ACCELERATION], -1, 0))  # fmt: skip
@@ -171,18 +171,18 @@ def _at_rest(
 
 def _at_each_speed(spec: RobotSpec, cycle: AtGearhead, demand: Demands, pull_out: PullOut) -> CheckColumn:
     """The torque against the pull-out torque at its speed, at the worst moment: an unknown one where none fails."""
-    found = []
+    worst = []
     for rows, torque, speed, time in _moments(cycle, demand):
         limit = pull_out.torque(speed, spec.supply.lowest, rows)
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(torque == 0.0, 0.0, torque / limit)
         unknown = np.isnan(share)
         known = np.where(unknown, -1.0, share).argmax(axis=1)
-        every = np.arange(len(torque))
-        fails = share[every, known] * spec.margins.pull_out > 1.0
+        index = np.arange(len(torque))
+        fails = share[index, known] * spec.margins.pull_out > 1.0
         place = np.where(unknown.any(axis=1) & ~fails, unknown.argmax(axis=1), known)
-        found.append([np.broadcast_to(x, torque.shape)[every, place] for x in (torque, limit, time)])
-    torque, limit, time = (np.concatenate(column) for column in zip(*found, strict=True))
+        worst.append([np.broadcast_to(x, torque.shape)[index, place] for x in (torque, limit, time)])
+    torque, limit, time = (np.concatenate(column) for column in zip(*worst, strict=True))
     return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=time)
 
 
@@ -220,12 +220,12 @@ def _moments(cycle: AtGearhead, demand: Demands) -> Iterator[tuple[slice, Array,
         w0, w1 = (columns[1][:, slow, end, None] for end in (0, 1))
         inside = (w0 - level) * (w1 - level) < 0.0
         along = np.where(inside, (level - w0) / np.where(inside, w1 - w0, 1.0), 0.0)
-        found = []
+        moments = []
         for x in columns:
             x0, x1 = (x[:, slow, end, None] for end in (0, 1))
             flat = (whole.reshape(len(x), -1) for whole in (x, x0 + along * (x1 - x0)))
-            found.append(np.concatenate([*flat], axis=1))
-        yield rows, np.abs(found[0]), found[1], found[2]
+            moments.append(np.concatenate([*flat], axis=1))
+        yield rows, np.abs(moments[0]), moments[1], moments[2]
 
 
 def _points(cycle: AtGearhead) -> tuple[Array, Array]:
@@ -233,12 +233,12 @@ def _points(cycle: AtGearhead) -> tuple[Array, Array]:
     store, functions, time = cycle.base.coarse, cycle.base.functions, cycle.base.time
     name = ("pull-out", LEVELS)
     if name not in store:
-        every = np.concatenate([functions.reshape(-1, 6), *_between(functions, functions)])
+        points = np.concatenate([functions.reshape(-1, 6), *_between(functions, functions)])
         when = np.concatenate([time.reshape(-1), *(x[:, 0] for x in _between(functions, time[:, :, None]))])
-        speed = np.abs(every[:, SPEED : SPEED + 1])
-        sides = (undominated(np.hstack([sign * every[:, :SPEED], speed]), _FRONT) for sign in (1.0, -1.0))
+        speed = np.abs(points[:, SPEED : SPEED + 1])
+        sides = (undominated(np.hstack([sign * points[:, :SPEED], speed]), _FRONT) for sign in (1.0, -1.0))
         rows = np.unique(np.concatenate(list(sides)))
-        store[name] = every[rows], when[rows]
+        store[name] = points[rows], when[rows]
     return store[name]
 
 
@@ -267,49 +267,51 @@ def _resolution(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Part
         return []
     geared = cycle.belt if spec.gear is None else cycle.belt * spec.gear.ratio
     full = 2.0 * np.pi / (4.0 * parts.motor["pole_pairs"] * demand.total_ratio * geared)
-    given = np.nan if spec.control.microsteps is None else spec.control.microsteps
-    micro = full / np.fmin(parts.controller["microsteps"], given)
+    microsteps = np.nan if spec.control.microsteps is None else spec.control.microsteps
+    micro = full / np.fmin(parts.controller["microsteps"], microsteps)
     return [at_most("step_resolution", np.where(np.isnan(micro) & (full <= need), full, micro), need)]
 
 
 def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Advice on inertia and resonance."""
-    motor, found = parts.motor, list[CheckColumn]()
+    motor, checks = parts.motor, list[CheckColumn]()
     steps = 4.0 * motor["pole_pairs"]
     load, inertia = inertia_at_motor(cycle, demand)
     if spec.needs.inertia_ratio is None:
         with np.errstate(divide="ignore"):
             ratio = np.where(demand.left_out[:, ACCELERATION], np.nan, load / (inertia - load))  # of an unknown rotor
-        found.append(at_most("inertia_ratio", ratio, _RATIO, advice=True, note=_HEAVY))
+        checks.append(at_most("inertia_ratio", ratio, _RATIO, advice=True, note=_HEAVY))
     ends = np.abs(cycle.base.functions[:, :, SPEED])
     steady = np.unique(ends[(ends[:, 0] == ends[:, 1]) & (ends[:, 0] > 0.0), 0])
     if len(steady):
         swings = natural_frequency(motor["pole_pairs"], motor["holding_torque"], inertia)
         rate = steady * (demand.total_ratio * cycle.belt * steps / (2.0 * np.pi))[:, None]
         apart = np.exp(np.abs(np.log(rate / swings[:, None]))).min(axis=1)
-        found.append(at_least("step_resonance", _APART, apart, advice=True, note=_RESONANT))
-    return found
+        checks.append(at_least("step_resonance", _APART, apart, advice=True, note=_RESONANT))
+    return checks
 
 
 # --- supply
 
 
-def drawn(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wanted: Mask | None = None) -> Draw:
-    """Energy and power out of the supply of the drives that are wanted, with the standby power of their drivers."""
+def draw_of(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, mask: Mask | None = None) -> Draw:
+    """Energy and power out of the supply of the drives of a mask, with the standby power of their drivers."""
     count, functions = len(demand.total_ratio), cycle.base.functions
-    rows = np.arange(count) if wanted is None else np.flatnonzero(wanted)
+    rows = np.arange(count) if mask is None else np.flatnonzero(mask)
     speed = functions[:, :, SPEED] if cycle.base.functions.ndim == 3 else functions[SPEED] * cycle.belt
     share = idle_loss(speed, spec.control.idle_current).T
     duration, columns = np.asarray(cycle.load_cycle.duration).T, np.full((3, count), np.nan)
     loss = np.broadcast_to(copper_loss(parts.motor["nominal_current"], parts.motor["resistance"]), count)
     standby = np.broadcast_to(spec.feed(parts.controller).stage.standby, count)
     for few in _slices(len(rows), max(_CELLS // len(cycle.load_cycle.duration), 1)):
-        some = rows[few]
-        lost = loss[some, None] * (share if share.ndim == 1 else np.broadcast_to(share, (count, share.shape[1]))[some])
-        torque, turning = ends_of(cycle, demand, some)
-        own = duration if duration.ndim == 1 or len(duration) == 1 else duration[some]
-        energies = electrical_energy(own, torque, turning, lost + standby[some, None])
-        columns[:, some] = *energies[:2], np.maximum(energies[2], 0.0)
+        batch = rows[few]
+        lost = loss[batch, None] * (
+            share if share.ndim == 1 else np.broadcast_to(share, (count, share.shape[1]))[batch]
+        )
+        torque, turning = ends_of(cycle, demand, batch)
+        own = duration if duration.ndim == 1 or len(duration) == 1 else duration[batch]
+        energies = electrical_energy(own, torque, turning, lost + standby[batch, None])
+        columns[:, batch] = *energies[:2], np.maximum(energies[2], 0.0)
     return Draw(*np.where(demand.complete, columns, np.nan))
 
 
@@ -319,15 +321,15 @@ def supply_limits(spec: RobotSpec, draw: Draw, parts: Parts, printed: Array) -> 
     none, stays = draw.returned == 0.0, (1.0 - supply.regeneration) * draw.returned * spec.load.motors
     raised = np.nan if supply.capacitance is None else bus_voltage(supply.highest, stays, supply.capacitance)
     bus = np.where(none | spec.accepts_all, supply.highest, raised)  # as if all of a cycle came at once
-    found = [
+    checks = [
         at_most("supply_voltage", supply.highest, np.where(np.isnan(printed), np.inf, printed)),
         bus_limit(spec, bus, np.where(none, np.inf, parts.controller["supply_max"]), undecided=_KEPT),
     ]
     if supply.current is not None:
-        found.append(at_most("supply_current", power / supply.lowest, supply.current, needed=torque))
+        checks.append(at_most("supply_current", power / supply.lowest, supply.current, needed=torque))
     if supply.power is not None:
-        found.append(at_most("supply_power", power, supply.power, needed=torque))
-    return found
+        checks.append(at_most("supply_power", power, supply.power, needed=torque))
+    return checks
 
 
 def _slices(count: int, size: int) -> Iterator[slice]:

@@ -344,7 +344,9 @@ def gearhead_times(gearhead: Figures, factors: Mapping[str, Alike]) -> dict[str,
 def _sampled(table: Table[Any], row: int, count: int, changed: Mapping[str, Array] | None = None) -> Rows:
     """Figures of a part over samples: a column where it is sampled, else a single one."""
     part = Rows(table, np.array([row]))
-    part.taken |= {name: np.repeat(part[name], count) for name in _WHOLE if name in table.columns} | {**(changed or {})}
+    part.columns |= {name: np.repeat(part[name], count) for name in _WHOLE if name in table.columns} | {
+        **(changed or {})
+    }
     return part
 
 
@@ -390,7 +392,7 @@ def _drive(catalog: Catalog, one: SetRows, block: Block) -> _Drive:
     def controller() -> Rows:
         bought = _sampled(catalog.controllers, one.controller, size)
         if (factor := block.factors_of(catalog, "controller", one.controller).get("losses")) is not None:
-            bought.taken |= with_stage_losses(bought, factor, assume=spec.select.estimates == "on")
+            bought.columns |= with_stage_losses(bought, factor, assume=spec.select.estimates == "on")
         return bought
 
     brake, own = None, dict[str, Array]()
@@ -515,7 +517,7 @@ def _stepper_checks(spec: RobotSpec, at: AtSamples, drive: _Drive, _: bool) -> t
     parts = drive.parts
     assert drive.pull_out is not None
     required = _stepper_demands(at, parts)
-    draw, rated = steppers.drawn(spec, at, required, parts), drive.printed["nominal_current"]
+    draw, rated = steppers.draw_of(spec, at, required, parts), drive.printed["nominal_current"]
     needed, ambient = controller_needed(spec, 0.0), spec.environment.ambient
     return [
         *limits.moving_limits(spec, at, required, None, parts, drive.listed, parts.motor),
@@ -584,7 +586,7 @@ def _stepper_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str,
     return {
         "motor_torque": np.where(required.complete, torque, np.nan),
         "pull_out_at_rest": at_rest, "pull_out_at_speed": at_speed,
-        "power": steppers.drawn(spec, at, required, parts).peak * spec.load.motors,
+        "power": steppers.draw_of(spec, at, required, parts).peak * spec.load.motors,
         "joule_heat": copper_loss(parts.motor["nominal_current"], parts.motor["resistance"]) * heated,
         "peak_current": amplitude(parts.motor["nominal_current"]),
     }  # fmt: skip
