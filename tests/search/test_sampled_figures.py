@@ -19,7 +19,7 @@ from drivesizer.results.prediction import Conditions
 from drivesizer.search.uncertainty.probabilities import figure_spreads
 from drivesizer.search.uncertainty.sampled_drive import SetRows, blocks, figure_columns, prepared
 from drivesizer.search.uncertainty.sampling import sample
-from drivesizer.search.uncertainty.uncertain_figures import assumptions, used
+from drivesizer.search.uncertainty.uncertain_figures import assumptions, classes_in_use
 from drivesizer.spec.robot import read_spec
 
 PARTS = {"motors": "148877", "gearheads": "260551", "controllers": "409510"}  # RE 40, GP 42 C, ESCON 50/5
@@ -58,7 +58,7 @@ def sampled():
     rows = [catalog.table(section).rows[part] for section, part in PARTS.items()]
 
     def of(spec, count, catalog=catalog):
-        given = assumptions(spec, used(catalog, spec.tolerances.given, [tuple(rows)]))
+        given = assumptions(spec, classes_in_use(catalog, spec.tolerances.given, [tuple(rows)]))
         drawn = sample(given, count, 1, assumptions(spec))
         return (prepared(problem(spec, catalog), given, drawn), catalog, SetRows(rows[0], rows[1], -1, rows[2], 1.0))
 

@@ -25,7 +25,7 @@ from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.sampled_drive import SetRows, blocks, checks_of, prepared
 from drivesizer.search.uncertainty.sampling import sample
-from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions, holding, used
+from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions, classes_in_use, holding
 from drivesizer.sizing import explained, size
 from drivesizer.spec.drive import ControllerChoice
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -60,7 +60,7 @@ def rows_of(parts: Catalog, part: str, driver: str = "D4") -> SetRows:
 
 
 def given_of(spec: RobotSpec, parts: Catalog, one: SetRows) -> tuple[Assumption, ...]:
-    held = used(parts, spec.tolerances.given, [(one.motor, one.gearhead, one.controller)])
+    held = classes_in_use(parts, spec.tolerances.given, [(one.motor, one.gearhead, one.controller)])
     return assumptions(spec, held)
 
 

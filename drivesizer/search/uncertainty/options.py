@@ -29,17 +29,17 @@ def sampling_of(
 ) -> Sampling | None:  # fmt: skip
     """Options of sampling of a spec, and options before it; None where neither mentions tolerances."""
     _refuse(confidence, samples, seed, loop)
-    given = spec.tolerances
-    wanted = loop or any(option is not None for option in (confidence, samples, seed, given.confidence))
-    if not (wanted or spec.toleranced or "tolerances" in spec.model_fields_set):
+    tolerances = spec.tolerances
+    by_option = loop or any(option is not None for option in (confidence, samples, seed, tolerances.confidence))
+    if not (by_option or spec.toleranced or "tolerances" in spec.model_fields_set):
         return None
-    required = given.confidence if confidence is None else confidence
+    required = tolerances.confidence if confidence is None else confidence
     return Sampling(
-        given.samples if samples is None else samples,
-        given.seed if seed is None else seed,
+        tolerances.samples if samples is None else samples,
+        tolerances.seed if seed is None else seed,
         required,
         processes,
-        loop if loop is not None else 0 if required is None else given.loop_samples,
+        loop if loop is not None else 0 if required is None else tolerances.loop_samples,
     )
 
 

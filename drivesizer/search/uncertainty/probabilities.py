@@ -39,7 +39,7 @@ from drivesizer.search.uncertainty.sampling import (
 )
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 
-Found = TypeVar("Found")
+Result = TypeVar("Result")
 _QUANTILES = (0.05, 0.5, 0.95)
 _KEPT = 1_000_000  # segments times samples that are kept in memory for all drives
 _TOGETHER = 8  # drives whose samples are held at a time
@@ -53,14 +53,14 @@ class Subject(NamedTuple):
     nominal: tuple[Check, ...]
 
 
-def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
+def subject(evaluation: Evaluation, row: int, other_checks: tuple[Check, ...] = ()) -> Subject:
     """A drive that a search found, with its checks by physics."""
-    given = evaluation.candidates
+    sets = evaluation.candidates
     rows = SetRows(
-        int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
-        float(given.belt[row]), int(evaluation.brake[row]),
+        int(sets.motor[row]), int(sets.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
+        float(sets.belt[row]), int(evaluation.brake[row]),
     )  # fmt: skip
-    return Subject(rows, tuple(c for c in (*evaluation.checks_of(row), *beside) if c.method == "physics"))
+    return Subject(rows, tuple(c for c in (*evaluation.checks_of(row), *other_checks) if c.method == "physics"))
 
 
 # -- Checks over samples, and what they amount to together.
@@ -84,67 +84,80 @@ class Examined(NamedTuple):
 
 def over_samples(checks: Sequence[Check | None]) -> Over:
     """A check of each sample; where a sample has none there is nothing to fail."""
-    known = [(one.status == "pass", one.status == "fail", one.margin, one.margin if one.is_comparable else math.inf)
-             if one else (True, False, math.inf, math.inf) for one in checks]  # fmt: skip
+    known = [
+        (
+            check.status == "pass",
+            check.status == "fail",
+            check.margin,
+            check.margin if check.is_comparable else math.inf,
+        )
+        if check
+        else (True, False, math.inf, math.inf)
+        for check in checks
+    ]
     return Over(*(np.array(column) for column in zip(*known, strict=True)))
 
 
-def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> list[Examined]:
+def examined(samples: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> list[Examined]:
     """Checks of drives over all samples."""
     titles = {name: CHECKS["budget"][name].title for name in BATTERY_SAMPLED}
     return [
-        reduced(every, {check.name: check.title for check in one.nominal} | titles)
-        for one, every in zip(subjects, _every_check(given, catalog, subjects), strict=True)
+        reduced(checks, {check.name: check.title for check in drive.nominal} | titles)
+        for drive, checks in zip(subjects, _every_check(samples, catalog, subjects), strict=True)
     ]
 
 
-def passing_shares(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> list[float]:
+def passing_shares(samples: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> list[float]:
     """Share of the samples in which no check of a drive fails, of each drive: without the margins of the checks."""
-    every = _every_check(given, catalog, subjects, margins=False)
-    return [float(np.mean(~np.logical_or.reduce([over.failed for over in checks.values()]))) for checks in every]
+    drives = _every_check(samples, catalog, subjects, margins=False)
+    return [float(np.mean(~np.logical_or.reduce([over.failed for over in checks.values()]))) for checks in drives]
 
 
 def by_processes(
-    work: Callable[[Prepared, Catalog, Sequence[Subject]], list[Found]], given: Prepared, catalog: Catalog,
+    work: Callable[[Prepared, Catalog, Sequence[Subject]], list[Result]], samples: Prepared, catalog: Catalog,
     subjects: Sequence[Subject], processes: int = 1,
-) -> list[Found]:  # fmt: skip
+) -> list[Result]:  # fmt: skip
     """Checks and figures of drives over all samples, by several processes each with some of the drives."""
     if processes <= 1 or len(subjects) <= 1:
-        return work(given, catalog, subjects)
+        return work(samples, catalog, subjects)
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
     share = -(-len(subjects) // processes)
     parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
     with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
-        found = pool.map(work, [given] * len(parts), [catalog] * len(parts), parts)
-        return [one for part in found for one in part]
+        results = pool.map(work, [samples] * len(parts), [catalog] * len(parts), parts)
+        return [result for part in results for result in part]
 
 
 def _every_check(
-    given: Prepared, catalog: Catalog, subjects: Sequence[Subject], *, margins: bool = True
+    samples: Prepared, catalog: Catalog, subjects: Sequence[Subject], *, margins: bool = True
 ) -> Iterator[dict[str, Over]]:
     """The checks of each drive over all samples; those that no sample changes are as they are nominally."""
-    belts = sorted({one.rows.belt for one in subjects})
-    kept = [*blocks(given, catalog, belts)] if given.cells <= _KEPT else None
+    belts = sorted({drive.rows.belt for drive in subjects})
+    in_memory = [*blocks(samples, catalog, belts)] if samples.cells <= _KEPT else None
     for first in range(0, len(subjects), _TOGETHER):
-        some = subjects[first : first + _TOGETHER]
-        parts: list[list[dict[str, Over]]] = [[] for _ in some]
-        for block in kept or blocks(given, catalog, belts):
-            for part, one in zip(parts, some, strict=True):
-                part.append({n: _over(c, block.size, margins) for n, c in checks_of(catalog, one.rows, block).items()})
-        for one, part in zip(some, parts, strict=True):
+        group = subjects[first : first + _TOGETHER]
+        parts: list[list[dict[str, Over]]] = [[] for _ in group]
+        for block in in_memory or blocks(samples, catalog, belts):
+            for part, drive in zip(parts, group, strict=True):
+                part.append(
+                    {n: _over(c, block.size, margins) for n, c in checks_of(catalog, drive.rows, block).items()}
+                )
+        for drive, part in zip(group, parts, strict=True):
             sampled = part[0] if len(part) == 1 else {
-                name: Over(*map(np.concatenate, zip(*(each[name] for each in part), strict=True)))
+                name: Over(*map(np.concatenate, zip(*(by_name[name] for by_name in part), strict=True)))
                 for name in part[0]
             }  # fmt: skip
-            every = dict[str, Over]()
-            for check in one.nominal:
+            checks = dict[str, Over]()
+            for check in drive.nominal:
                 if check.name in sampled and not check.advice:
-                    every[check.name] = sampled[check.name]
+                    checks[check.name] = sampled[check.name]
                 elif not check.advice:
-                    every[check.name] = Over._make(np.broadcast_to(x, len(given.values)) for x in over_samples([check]))
-            yield every | {name: sampled[name] for name in BATTERY_SAMPLED if name in sampled}
+                    checks[check.name] = Over._make(
+                        np.broadcast_to(x, len(samples.values)) for x in over_samples([check])
+                    )
+            yield checks | {name: sampled[name] for name in BATTERY_SAMPLED if name in sampled}
 
 
 def _over(check: CheckColumn, count: int, margins: bool) -> Over:
@@ -157,19 +170,19 @@ def _over(check: CheckColumn, count: int, margins: bool) -> Over:
     return Over._make(x if x.shape == (count,) else np.broadcast_to(x, count) for x in columns)
 
 
-def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
+def reduced(checks: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
     """Reliability of several checks together."""
-    count = len(next(iter(every.values())).passed)
+    count = len(next(iter(checks.values())).passed)
     failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
-    for number, over in enumerate(every.values()):
+    for number, over in enumerate(checks.values()):
         failed |= over.failed
         tighter = over.tightness < smallest
         if tighter.any():  # few checks are ever the tightest
             place[tighter] = number
             smallest = np.minimum(smallest, over.tightness)
-    weakest = np.bincount(place + 1, minlength=len(every) + 1)[1:] / count
+    weakest = np.bincount(place + 1, minlength=len(checks) + 1)[1:] / count
     spreads = []
-    for (name, over), tightest in zip(every.items(), weakest, strict=True):
+    for (name, over), tightest in zip(checks.items(), weakest, strict=True):
         low, middle, high = quantiles(over.margin)
         spreads.append(Spread(
             name=name, title=titles[name], passes=np.count_nonzero(over.passed) / count,
@@ -198,13 +211,13 @@ def quantiles(values: Array) -> tuple[float, float, float]:
 # -- Sensitivity: one assumption varied at a time, at its 5 % and at its 95 % quantile.
 
 
-def at_ends(problem: Problem, given: Sequence[Assumption]) -> Prepared:
+def at_ends(problem: Problem, assumptions: Sequence[Assumption]) -> Prepared:
     """The nominal figures, then two samples an assumption."""
-    values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
-    ends = values_of(given, np.tile([[0.05], [0.95]], len(given)))
-    for k in range(len(given)):
+    values = np.tile([assumption.nominal for assumption in assumptions], (1 + 2 * len(assumptions), 1))
+    ends = values_of(assumptions, np.tile([[0.05], [0.95]], len(assumptions)))
+    for k in range(len(assumptions)):
         values[_ends(k), k] = ends[:, k]
-    return prepared(problem, given, values, every=True)
+    return prepared(problem, assumptions, values, all_samples=True)
 
 
 def _ends(k: int) -> slice:
@@ -212,60 +225,69 @@ def _ends(k: int) -> slice:
     return slice(1 + 2 * k, 3 + 2 * k)
 
 
-def _counting(one: Subject, ends: Prepared) -> list[int]:
+def _counting(drive: Subject, ends: Prepared) -> list[int]:
     """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts."""
-    rows, tolerances = (one.rows.motor, one.rows.gearhead, one.rows.controller), ends.problem.spec.tolerances.given
-    held = uncertain_figures.holding_of_a_set(ends.problem.catalog, tolerances, *rows)
-    return [k for k, one in enumerate(ends.given) if one.catalogue is None or one.catalogue in held]
+    rows, tolerances = (
+        (drive.rows.motor, drive.rows.gearhead, drive.rows.controller),
+        ends.problem.spec.tolerances.given,
+    )
+    classes = uncertain_figures.holding_of_a_set(ends.problem.catalog, tolerances, *rows)
+    return [
+        k for k, assumption in enumerate(ends.given) if assumption.catalogue is None or assumption.catalogue in classes
+    ]
 
 
-def _drivers(one: Subject, ends: Prepared, ready: Prepared, smallest: Array) -> tuple[Driver, ...]:
+def _drivers(drive: Subject, ends: Prepared, ready: Prepared, smallest: Array) -> tuple[Driver, ...]:
     """Effect of each assumption on the smallest margin of a drive, the largest first."""
-    known, own = np.isfinite(smallest), _counting(one, ends)
+    known, own = np.isfinite(smallest), _counting(drive, ends)
     if not own:
         return ()
     values = ready.values[known][:, own]
     shares = first_order(values, smallest[known]).tolist()
     signs = rank_correlations(values, smallest[known]).tolist()
-    every, found = next(_every_check(ends, ends.problem.catalog, [one])), []
-    margins = np.min([over.tightness for over in every.values()], axis=0)
+    checks, drivers = next(_every_check(ends, ends.problem.catalog, [drive])), []
+    margins = np.min([over.tightness for over in checks.values()], axis=0)
     for k, share, sign in zip(own, shares, signs, strict=True):
         assumption = ends.given[k]
         (low, high), (low_margin, high_margin) = ends.values[_ends(k), k], margins[_ends(k)].tolist()
-        found.append(Driver(
+        drivers.append(Driver(
             name=assumption.name, title=assumption.title, share=share, rank_correlation=sign, low_margin=low_margin,
             high_margin=high_margin, low=assumption.shown(low), high=assumption.shown(high),
         ))  # fmt: skip
-    return tuple(sorted(found, key=lambda driver: (-driver.share, driver.name)))
+    return tuple(sorted(drivers, key=lambda driver: (-driver.share, driver.name)))
 
 
 def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) -> list[Assumption]:
     """Figures of the spec that leave every sampled check of some drives as it is."""
     changed = np.zeros(len(ends.values), bool)
-    for one in drives:
+    for drive in drives:
         first: dict[str, list[Array]] = {}
         row = 0
-        for block in blocks(ends, catalog, [one.rows.belt]):
-            for name, check in checks_of(catalog, one.rows, block).items():
+        for block in blocks(ends, catalog, [drive.rows.belt]):
+            for name, check in checks_of(catalog, drive.rows, block).items():
                 columns = [np.broadcast_to(x, block.size) for x in (check.demand, check.limit)]
                 nominal = first.setdefault(name, [column[:1] for column in columns])
                 for column, figure in zip(columns, nominal, strict=True):
                     changed[row : row + block.size] |= (column != figure) & ~(np.isnan(column) & np.isnan(figure))
             row += block.size
-    return [one for k, one in enumerate(ends.given) if one.given is not None and not changed[_ends(k)].any()]
+    return [
+        assumption
+        for k, assumption in enumerate(ends.given)
+        if assumption.given is not None and not changed[_ends(k)].any()
+    ]
 
 
 # -- Figures of one drive over the same samples, in each sample of its worst load case.
 
 
-def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[FigureSpread, ...]:
+def figure_spreads(samples: Prepared, catalog: Catalog, rows: SetRows) -> tuple[FigureSpread, ...]:
     """Percentiles of the figures of a drive."""
-    each = [figure_columns(catalog, one, block) for block in blocks(given, catalog, [one.belt])]
-    found, turning = [], "stepper" if has_steppers(catalog) else "servo"
+    figures = [figure_columns(catalog, rows, block) for block in blocks(samples, catalog, [rows.belt])]
+    spreads, turning = [], "stepper" if has_steppers(catalog) else "servo"
     for name, title, kind, unit in (cells for head, cells in uncertain_figures.TABLE if head == turning):
-        low, middle, high = quantiles(np.concatenate([columns[name] for columns in each]))
-        found.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
-    return tuple(found)
+        low, middle, high = quantiles(np.concatenate([columns[name] for columns in figures]))
+        spreads.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
+    return tuple(spreads)
 
 
 # -- Reliability of a sizing's drives: in how many samples each passes, and what decides it.
@@ -285,9 +307,9 @@ class SampledDrives(NamedTuple):
     def examined(self, rows: Collection[int]) -> dict[int, Examined]:
         """Probability, and every check over the samples, of some of them."""
         new = [row for row in rows if row not in self.known]
-        some = [self.subjects[row] for row in new]
-        found = by_processes(examined, self.ready, self.ready.problem.catalog, some, self.how.processes)
-        self.known.update(zip(new, found, strict=True))
+        subjects = [self.subjects[row] for row in new]
+        results = by_processes(examined, self.ready, self.ready.problem.catalog, subjects, self.how.processes)
+        self.known.update(zip(new, results, strict=True))
         return {row: self.known[row] for row in rows}
 
 
@@ -295,21 +317,25 @@ def sample_drives(
     problem: Problem, subjects: Mapping[int, Subject], how: Sampling, *, brief: bool = False
 ) -> SampledDrives:
     """Reliability of drives."""
-    rows = [(one.rows.motor, one.rows.gearhead, one.rows.controller) for one in subjects.values()]
+    rows = [(drive.rows.motor, drive.rows.gearhead, drive.rows.controller) for drive in subjects.values()]
     machine = problem.machine
-    held = uncertain_figures.used(problem.catalog, machine.tolerances.given, rows)
+    classes = uncertain_figures.classes_in_use(problem.catalog, machine.tolerances.given, rows)
     if machine.needs.start_speed is None:
-        held = tuple(one for one in held if one.figure != "start_speed")  # no check depends on it
-    given = uncertain_figures.assumptions(machine, held)
-    ready = prepared(problem, given, sample(given, how.samples, how.seed, uncertain_figures.assumptions(machine)))
-    ends = None if brief else at_ends(problem, given)
-    found = SampledDrives([*subjects], [], {**subjects}, ready, how, ends, {})
+        classes = tuple(
+            tolerance for tolerance in classes if tolerance.figure != "start_speed"
+        )  # no check depends on it
+    assumptions = uncertain_figures.assumptions(machine, classes)
+    ready = prepared(
+        problem, assumptions, sample(assumptions, how.samples, how.seed, uncertain_figures.assumptions(machine))
+    )
+    ends = None if brief else at_ends(problem, assumptions)
+    drives = SampledDrives([*subjects], [], {**subjects}, ready, how, ends, {})
     if how.confidence is None:
-        return found
+        return drives
     shares = by_processes(passing_shares, ready, problem.catalog, [*subjects.values()], how.processes)
     share = dict(zip(subjects, shares, strict=True))
     good = [row for row in subjects if share[row] >= how.confidence]
-    return found._replace(
+    return drives._replace(
         good=good, bad=sorted((row for row in subjects if row not in good), key=lambda row: -share[row])
     )
 
@@ -319,38 +345,44 @@ def reliabilities(
 ) -> dict[int, Reliability]:
     """Reliability of drives, with the sensitivities of each unless they were sampled in brief."""
     ready, how, described = sampled.ready, sampled.how, {}
-    for row, (found, smallest) in sampled.examined(rows).items():
-        described[row], one = found, sampled.subjects[row]
+    for row, (reliability, smallest) in sampled.examined(rows).items():
+        described[row], drive = reliability, sampled.subjects[row]
         if sampled.ends is None:
             continue
-        matters = _drivers(one, sampled.ends, ready, smallest)
-        figures = figure_spreads(ready, ready.problem.catalog, one.rows)
-        described[row] = replace(found, drivers=matters, figures=figures)
+        matters = _drivers(drive, sampled.ends, ready, smallest)
+        figures = figure_spreads(ready, ready.problem.catalog, drive.rows)
+        described[row] = replace(reliability, drivers=matters, figures=figures)
         if row in finalists and how.loop > 0 and not ready.problem.spec.steps:
             from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
 
-            own = _counting(one, sampled.ends)
-            given, values = [ready.given[k] for k in own], ready.values[:, own]
+            own = _counting(drive, sampled.ends)
+            assumptions, values = [ready.given[k] for k in own], ready.values[:, own]
             try:
-                share = loop_share(ready.problem.spec, finalists[row], given, values, how.loop)
+                share = loop_share(ready.problem.spec, finalists[row], assumptions, values, how.loop)
                 described[row] = replace(described[row], loop=share)
             except InputError as error:  # the model may lack a figure
                 described[row] = replace(described[row], no_loop=str(error))
     return described
 
 
-def uncertainty(one: SampledDrives) -> Uncertainty:
+def uncertainty(sampled: SampledDrives) -> Uncertainty:
     """Assumptions and samples, which all drives have in common."""
     assumptions = []
-    for given in one.ready.given:
-        text = given.given.text if given.given else given.catalogue.text if given.catalogue else ""
-        title = given.name if given.given else given.catalogue.title if given.catalogue else given.name
-        source = given.catalogue.why if given.catalogue else "spec"
-        assumptions.append(Uncertain(name=given.name, title=title, text=text, source=source))
+    for assumption in sampled.ready.given:
+        text = assumption.given.text if assumption.given else assumption.catalogue.text if assumption.catalogue else ""
+        title = (
+            assumption.name
+            if assumption.given
+            else assumption.catalogue.title
+            if assumption.catalogue
+            else assumption.name
+        )
+        source = assumption.catalogue.why if assumption.catalogue else "spec"
+        assumptions.append(Uncertain(name=assumption.name, title=title, text=text, source=source))
     return Uncertainty(
-        assumptions=tuple(assumptions), samples=len(one.ready.values), seed=one.how.seed, confidence=one.how.confidence,
-        examined=len(one.subjects), reached=len(one.good),
-        notes=(*_notes(one.ready, one.how, len(one.subjects)), *_idle(one)),
+        assumptions=tuple(assumptions), samples=len(sampled.ready.values), seed=sampled.how.seed,
+        confidence=sampled.how.confidence, examined=len(sampled.subjects), reached=len(sampled.good),
+        notes=(*_notes(sampled.ready, sampled.how, len(sampled.subjects)), *_idle(sampled)),
     )  # fmt: skip
 
 
@@ -386,13 +418,13 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
 _FIRST = 3  # drives that are held against a tolerance without effect
 
 
-def _idle(one: SampledDrives) -> list[str]:
+def _idle(sampled: SampledDrives) -> list[str]:
     """Notes on tolerances of the spec that change no sampled check of the first drives, each reason once."""
-    if one.ends is None:
+    if sampled.ends is None:
         return []
     by_reason: dict[str, list[str]] = {}
-    looped = one.how.confidence is not None and one.how.loop > 0
-    for figure in without_effect([*one.subjects.values()][:_FIRST], one.ready.problem.catalog, one.ends):
+    looped = sampled.how.confidence is not None and sampled.how.loop > 0
+    for figure in without_effect([*sampled.subjects.values()][:_FIRST], sampled.ready.problem.catalog, sampled.ends):
         if figure.given and not (looped and figure.given.path[0] == "plant"):
             by_reason.setdefault(uncertain_figures.reason(figure.given.path), []).append(figure.name)
     return [

@@ -48,14 +48,14 @@ from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied,
 from drivesizer.spec.mounting import controller_needed, heat_of
 from drivesizer.spec.robot import RobotSpec
 
-Made = TypeVar("Made")
+Value = TypeVar("Value")
 Part = TypeVar("Part", Motor, Gearhead, Controller)
 _CELLS, _ROWS = 400_000, 16_384  # segments times samples of a block, and samples
 _LONGEST = 2_000_000  # segments times samples, at most: of longer cycles there are fewer samples
 _EACH, _LONGEST_EACH = 1024, 1_000_000  # cycles one by one, and their segments
 _FEWEST = 32
 _WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
-_MOST_MADE = 64  # parts, and limits of parts, that a block holds: some MB at most each
+_MEMO_SIZE = 64  # parts, and limits of parts, that a block holds: some MB at most each
 _ERROR = 1e-2  # of what a change within a segment does to the winding; the search has 0.1 %
 
 
@@ -87,32 +87,34 @@ class Prepared(NamedTuple):
         return sum(len(case.cycle.duration) * len(self.values) for case in self.cases)
 
 
-def prepared(problem: Problem, given: Sequence[Assumption], values: Array, *, every: bool = False) -> Prepared:
-    """Samples of a machine, with their load cycles: fewer where these are long, unless every one is wanted."""
+def prepared(
+    problem: Problem, assumptions: Sequence[Assumption], values: Array, *, all_samples: bool = False
+) -> Prepared:
+    """Samples of a machine, with their load cycles: fewer where these are long, unless ``all_samples``."""
     whole, counting, most = problem.machine, list[dict[int, Path_]](), len(values)
     for machine, numbers in enumerate(problem.machine_cases):
         paths = case_paths(whole, machine - 1 if machine else None)
-        counting.append({k: path for k, path in paths.items() if k < len(given)})
+        counting.append({k: path for k, path in paths.items() if k < len(assumptions)})
         case, shaping = problem.cases[numbers[0]], [path for path in counting[-1].values() if _shapes(path)]
-        if shaping and not every:
+        if shaping and not all_samples:
             few, longest = (_EACH, _LONGEST_EACH) if _one_by_one(case.spec, shaping) else (most, _LONGEST)
             most = min(most, few, longest // len(case.cycle.duration))
     if most < len(values) > _FEWEST:
-        each = 2 ** int(np.log2(max(most, _FEWEST) // REPLICATES))
-        values = values[first_of_each(REPLICATES * each, len(values))]
+        per_replicate = 2 ** int(np.log2(max(most, _FEWEST) // REPLICATES))
+        values = values[first_of_each(REPLICATES * per_replicate, len(values))]
     cases: list[_Case] = []
     for machine, (paths, numbers) in enumerate(zip(counting, problem.machine_cases, strict=True)):
-        columns = {path: values[:, k] - given[k].nominal for k, path in paths.items() if _shapes(path)}
+        columns = {path: values[:, k] - assumptions[k].nominal for k, path in paths.items() if _shapes(path)}
         specs = [problem.cases[number].spec for number in numbers]
         if isinstance(specs[0].load, platform.WheelLoad):
             of_machine = problem.machine.load_cases[machine][1]
             cases += [_Case(machine, spec, paths, cycle) for spec, cycle in _wheels(of_machine, specs, columns, values)]
         elif _one_by_one(specs[0], [*columns]):
-            each_cycle = [load_cycle(applied(specs[0], moved)) for moved in _each(columns, len(values))]
+            each_cycle = [load_cycle(applied(specs[0], differences)) for differences in _each(columns, len(values))]
             cases.append(_Case(machine, specs[0], paths, side_by_side(each_cycle)))
         else:
             cases.append(_Case(machine, specs[0], paths, load_cycle(applied(specs[0], columns), sampled=True)))
-    return Prepared(problem, tuple(given), values, tuple(cases))
+    return Prepared(problem, tuple(assumptions), values, tuple(cases))
 
 
 def _shapes(path: Path_) -> bool:
@@ -136,14 +138,14 @@ def _wheels(
     machine: RobotSpec, specs: Sequence[RobotSpec], columns: Mapping[Path_, Array], values: Array
 ) -> Iterator[tuple[RobotSpec, LoadCycle]]:
     """Each driven wheel of a platform on its path, since deviations need not be the same for all, with its cycles."""
-    nominal, every = platform.trajectory_of(machine), []
+    nominal, wheel_cycles = platform.trajectory_of(machine), []
     planned = any(path[0] == "motion" or path[:2] == ("platform", "limits") for path in columns)
-    for moved in _each(columns, len(values)) if columns else [{}]:
-        one = applied(machine, moved)
-        trajectory = platform.trajectory_of(one) if planned else nominal
+    for differences in _each(columns, len(values)) if columns else [{}]:
+        sample_spec = applied(machine, differences)
+        trajectory = platform.trajectory_of(sample_spec) if planned else nominal
         assert trajectory is not None
-        every.append(platform.cycles_of(one, platform.dynamics_of(one), trajectory))
-    cycles = [side_by_side(several) for several in zip(*every, strict=True)]
+        wheel_cycles.append(platform.cycles_of(sample_spec, platform.dynamics_of(sample_spec), trajectory))
+    cycles = [side_by_side(several) for several in zip(*wheel_cycles, strict=True)]
     stages = {path: column for path, column in columns.items() if path[0] == "transmission"}
     for spec in specs:
         load = spec.load
@@ -168,12 +170,14 @@ def side_by_side(several: Sequence[LoadCycle]) -> LoadCycle:
         return np.ascontiguousarray(np.moveaxis(np.array(parts), 0, -1))
 
     own = []
-    for n, one in enumerate(like.own):
+    for n, own_limit in enumerate(like.own):
         demand, limit = (np.array([getattr(cycle.own[n], name) for cycle in several]) for name in ("demand", "limit"))
-        own.append(one._replace(demand=demand, limit=limit))
-    inertia, radius, held = (np.array([getattr(c, name) for c in several]) for name in ("inertia", "radius", "held"))
+        own.append(own_limit._replace(demand=demand, limit=limit))
+    inertia, radius, holding_torque = (
+        np.array([getattr(c, name) for c in several]) for name in ("inertia", "radius", "held")
+    )
     duration, speed, acceleration, torque = map(column, ("duration", "speed", "acceleration", "torque"))
-    return LoadCycle(like.name, duration, speed, acceleration, torque, inertia, tuple(own), radius, held)
+    return LoadCycle(like.name, duration, speed, acceleration, torque, inertia, tuple(own), radius, holding_torque)
 
 
 class AtSamples(AtGearhead):
@@ -199,22 +203,22 @@ class AtSamples(AtGearhead):
     def line(self, c: Array) -> Array:
         """The sum c f(t) at both ends of each segment, shape (segments, 2, samples); c of shape (samples, 6)."""
         functions = self.base.functions
-        found = np.zeros((*functions.shape[1:3], max(len(c), functions.shape[-1])))
-        term, columns = np.empty_like(found), np.ascontiguousarray(c.T)
+        line = np.zeros((*functions.shape[1:3], max(len(c), functions.shape[-1])))
+        term, columns = np.empty_like(line), np.ascontiguousarray(c.T)
         for k, (first, last) in self.where.items():
-            found[first:last] += np.multiply(columns[k] * self.scale[k], functions[k, first:last], out=term[first:last])
-        return found
+            line[first:last] += np.multiply(columns[k] * self.scale[k], functions[k, first:last], out=term[first:last])
+        return line
 
     def peak(self, coefficients: Array, left_out: Mask | None = None) -> Peak:
         """Largest absolute value of c f(t) over each sample's cycle; the moments are not needed."""
         line = self.line(coefficients)
-        found = np.abs(line)
+        magnitude = np.abs(line)
         if left_out is not None:
             for k in np.flatnonzero(left_out.any(axis=0)):
-                one = self.base.functions[k]
-                against = left_out[:, k] & (line * one < 0.0) & (np.abs(one) > ROUNDING * np.abs(one).max())
-                found = np.where(against, -np.inf, found)
-        value = found.max(axis=(0, 1))
+                f = self.base.functions[k]
+                against = left_out[:, k] & (line * f < 0.0) & (np.abs(f) > ROUNDING * np.abs(f).max())
+                magnitude = np.where(against, -np.inf, magnitude)
+        value = magnitude.max(axis=(0, 1))
         return bounded(value, np.broadcast_to(np.nan, value.shape), left_out)
 
     @cached_property
@@ -247,48 +251,50 @@ class Block(NamedTuple):
     factors: Mapping[Class, Array]  # of the catalogue's figures
     given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
     belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
-    made: dict[Hashable, Alike]  # of parts that were looked at: many drives have the same
+    memo: dict[Hashable, Alike]  # of parts that were looked at: many drives have the same
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
         """Factors of the figures of a part that are sampled, by figure."""
         own = self.once(lambda: holding(catalog, self.given, part, row), "classes", part, row)
-        return {one.figure: self.factors[one] for one in own if one in self.factors}
+        return {tolerance.figure: self.factors[tolerance] for tolerance in own if tolerance in self.factors}
 
-    def once(self, make: Callable[[], Made], *name: Hashable) -> Made:
+    def once(self, make: Callable[[], Value], *name: Hashable) -> Value:
         """A figure made of some parts, the first time that its name is used; of the last ones it stays."""
-        if name not in self.made:
-            if len(self.made) >= _MOST_MADE:
-                self.made.clear()
-            self.made[name] = make()
-        return self.made[name]
+        if name not in self.memo:
+            if len(self.memo) >= _MEMO_SIZE:
+                self.memo.clear()
+            self.memo[name] = make()
+        return self.memo[name]
 
 
-def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:
+def blocks(samples: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:
     """The samples in blocks, ready for drives with any of some belt ratios."""
-    longest = max(len(case.cycle.duration) for case in one.cases)
+    longest = max(len(case.cycle.duration) for case in samples.cases)
     size = int(np.clip(_CELLS // longest, 64, _ROWS))
-    for first in range(0, len(one.values), size):
-        rows = np.arange(first, min(first + size, len(one.values)))
+    for first in range(0, len(samples.values), size):
+        rows = np.arange(first, min(first + size, len(samples.values)))
         specs, ats = [], []
-        for case in one.cases:  # with columns in place of the figures that enter checks
+        for case in samples.cases:  # with columns in place of the figures that enter checks
             columns = {k: path for k, path in case.paths.items() if enters_checks(path)}
-            moved = {path: one.values[rows, k] - one.given[k].nominal for k, path in columns.items()}
-            spec = applied(case.spec, moved)
+            differences = {path: samples.values[rows, k] - samples.given[k].nominal for k, path in columns.items()}
+            spec = applied(case.spec, differences)
             base = CycleAtBelt(case.cycle.on(rows), spec.belt_efficiency)
             specs.append(spec)
             ats.append({belt: AtSamples(base, belt) for belt in belts})
         feeds = []
-        for machine in sorted({case.machine for case in one.cases}):  # all cases that draw from one battery together
-            numbers = tuple(n for n, case in enumerate(one.cases) if case.machine == machine)
-            if (rated := one.cases[numbers[0]].spec.battery) is not None:
+        for machine in sorted(
+            {case.machine for case in samples.cases}
+        ):  # all cases that draw from one battery together
+            numbers = tuple(n for n, case in enumerate(samples.cases) if case.machine == machine)
+            if (rated := samples.cases[numbers[0]].spec.battery) is not None:
                 feeds.append((feeding(specs[numbers[0]], rated, catalog), numbers))
         factors = {
-            given.catalogue: np.ascontiguousarray(one.values[rows, k])
-            for k, given in enumerate(one.given) if given.catalogue
+            assumption.catalogue: np.ascontiguousarray(samples.values[rows, k])
+            for k, assumption in enumerate(samples.given) if assumption.catalogue
         }  # fmt: skip
-        known = {belt: one.problem.belt_drive(belt) for belt in belts}
+        known = {belt: samples.problem.belt_drive(belt) for belt in belts}
         yield Block(
-            len(rows), tuple(specs), tuple(ats), tuple(feeds), factors, one.problem.spec.tolerances.given, known, {}
+            len(rows), tuple(specs), tuple(ats), tuple(feeds), factors, samples.problem.spec.tolerances.given, known, {}
         )
 
 
@@ -309,8 +315,8 @@ def motor_times(motor: Figures, factors: Mapping[str, Alike]) -> dict[str, Alike
         "thermal_resistance_winding": cooling, "thermal_resistance_housing": cooling,
         "winding_time_constant": cooling, "motor_time_constant": cooling,
     }  # fmt: skip
-    found = {name: motor[name] * factor for name, factor in times.items()}
-    return found | {"back_emf_constant": back_emf_constant(motor) * k} | with_dry_share(motor, factors)
+    figures = {name: motor[name] * factor for name, factor in times.items()}
+    return figures | {"back_emf_constant": back_emf_constant(motor) * k} | with_dry_share(motor, factors)
 
 
 def with_dry_share(motor: Figures, factors: Mapping[str, Alike]) -> dict[str, Alike]:
@@ -332,13 +338,13 @@ def stepper_times(motor: Figures, factors: Mapping[str, Alike]) -> dict[str, Ali
 
 def gearhead_times(gearhead: Figures, factors: Mapping[str, Alike]) -> dict[str, Alike]:
     """Figures of a gearhead times their factors: that of its losses is of losses per transmitted torque, 1/e - 1."""
-    found = {}
+    figures = {}
     if (losses := factors.get("efficiency")) is not None:
-        found["efficiency"] = 1.0 / (1.0 + (1.0 / gearhead["efficiency"] - 1.0) * losses)
-        found["no_load_torque"] = gearhead["no_load_torque"] * losses
+        figures["efficiency"] = 1.0 / (1.0 + (1.0 / gearhead["efficiency"] - 1.0) * losses)
+        figures["no_load_torque"] = gearhead["no_load_torque"] * losses
     if "inertia" in factors:
-        found["inertia"] = gearhead["inertia"] * factors["inertia"]
-    return found
+        figures["inertia"] = gearhead["inertia"] * factors["inertia"]
+    return figures
 
 
 def _sampled(table: Table[Any], row: int, count: int, changed: Mapping[str, Array] | None = None) -> Rows:
@@ -361,116 +367,116 @@ class _Drive(NamedTuple):
     listed: Mask  # whether its brake goes with its motor
 
 
-def _drive(catalog: Catalog, one: SetRows, block: Block) -> _Drive:
+def _drive(catalog: Catalog, rows: SetRows, block: Block) -> _Drive:
     """A drive with the figures of its parts, each times its factor."""
     size, steps, spec = block.size, has_steppers(catalog), block.specs[0]
-    printed, factors = _sampled(catalog.motors, one.motor, size), block.factors_of(catalog, "motor", one.motor)
+    printed, factors = _sampled(catalog.motors, rows.motor, size), block.factors_of(catalog, "motor", rows.motor)
     if steps:
-        factors |= block.factors_of(catalog, "controller", one.controller)
+        factors |= block.factors_of(catalog, "controller", rows.controller)
 
     def motor() -> Rows:
         if steps:
             own = {**stepper_times(printed, factors), STEPPER: np.repeat(printed[STEPPER], size)}
-            return _sampled(catalog.motors, one.motor, size, own)
+            return _sampled(catalog.motors, rows.motor, size, own)
         changed = motor_times(printed, factors)
-        rated = catalog.estimate_of("motors", one.motor, "max_winding_temperature") is not None  # by nominal current
+        rated = catalog.estimate_of("motors", rows.motor, "max_winding_temperature") is not None  # by nominal current
         if rated and printed["kind"][0] != "brushed":
             changed["max_winding_temperature"] = np.ones(size) * thermal.steady_winding_temperature(
                 thermal.rated_ambient(printed), thermal.resistance_25(printed), changed["thermal_resistance_winding"],
                 changed["thermal_resistance_housing"], printed["nominal_current"],
             )  # fmt: skip
-        return _sampled(catalog.motors, one.motor, size, changed)
+        return _sampled(catalog.motors, rows.motor, size, changed)
 
     def gearhead() -> Rows:
-        bought = _sampled(catalog.gearheads, one.gearhead, size)
-        times = block.factors_of(catalog, "gearhead", one.gearhead)
+        bought = _sampled(catalog.gearheads, rows.gearhead, size)
+        times = block.factors_of(catalog, "gearhead", rows.gearhead)
         changed = gearhead_times(bought, times)
         if "peak_torque" in times:
             changed["intermittent_torque"] = bought["intermittent_torque"] * times["peak_torque"]
-        return _sampled(catalog.gearheads, one.gearhead, size, changed)
+        return _sampled(catalog.gearheads, rows.gearhead, size, changed)
 
     def controller() -> Rows:
-        bought = _sampled(catalog.controllers, one.controller, size)
-        if (factor := block.factors_of(catalog, "controller", one.controller).get("losses")) is not None:
+        bought = _sampled(catalog.controllers, rows.controller, size)
+        if (factor := block.factors_of(catalog, "controller", rows.controller).get("losses")) is not None:
             bought.columns |= with_stage_losses(bought, factor, assume=spec.select.estimates == "on")
         return bought
 
     brake, own = None, dict[str, Array]()
     if spec.wants_brake:  # one that is the spec's own has its tolerances
-        if spec.brake is not None and one.brake >= 0 and catalog.brakes["family"][one.brake] == OWN:
+        if spec.brake is not None and rows.brake >= 0 and catalog.brakes["family"][rows.brake] == OWN:
             own = {name: x for name, x in spec.brake.figures.items() if np.ndim(x)}
-        brake = _sampled(catalog.brakes, one.brake, size, own)
+        brake = _sampled(catalog.brakes, rows.brake, size, own)
     parts = Parts(
-        motor() if steps else block.once(motor, "motor", one.motor),
-        block.once(gearhead, "gearhead", one.gearhead),
-        block.once(lambda: _sampled(catalog.encoders, one.encoder, size), "encoder", one.encoder),
-        block.once(controller, "controller", one.controller),
+        motor() if steps else block.once(motor, "motor", rows.motor),
+        block.once(gearhead, "gearhead", rows.gearhead),
+        block.once(lambda: _sampled(catalog.encoders, rows.encoder, size), "encoder", rows.encoder),
+        block.once(controller, "controller", rows.controller),
         brake,
     )
     pull_out = PullOut(parts.motor, catalog.pull_outs, factors.get("pull_out", 1.0)) if steps else None
-    highest = catalog.steppers["supply_max"][catalog.motors[STEPPER][[one.motor]]] if steps else np.full(1, np.nan)
-    listed = np.array([is_listed(catalog, one.motor, one.brake)])
+    highest = catalog.steppers["supply_max"][catalog.motors[STEPPER][[rows.motor]]] if steps else np.full(1, np.nan)
+    listed = np.array([is_listed(catalog, rows.motor, rows.brake)])
     return _Drive(parts, printed, factors, pull_out, highest, listed)
 
 
-def deviating_drive(one: DriveParts, spec: RobotSpec, given: Mapping[Class, float]) -> DriveParts:
+def deviating_drive(drive: DriveParts, spec: RobotSpec, factors: Mapping[Class, float]) -> DriveParts:
     """A drive whose figures deviate from those of the catalogue by the factors of their classes."""
     of_motor, of_gearhead, of_controller = (
-        {held.figure: factor for held, factor in given.items() if held.part == part}
+        {tolerance.figure: factor for tolerance, factor in factors.items() if tolerance.part == part}
         for part in ("motor", "gearhead", "controller")
     )
 
     def varied(part: Part, figures: Mapping[str, Alike]) -> Part:
         return replace(part, **{name: float(x) for name, x in figures.items()})
 
-    times = stepper_times(one.motor, of_motor | of_controller) if one.steps else motor_times(one.motor, of_motor)
-    controller = one.controller
+    times = stepper_times(drive.motor, of_motor | of_controller) if drive.steps else motor_times(drive.motor, of_motor)
+    controller = drive.controller
     if controller and "losses" in of_controller:
         assume = spec.select.estimates == "on"
         controller = varied(controller, with_stage_losses(controller, of_controller["losses"], assume=assume))
     return replace(
-        one, motor=varied(one.motor, times), controller=controller, belt_efficiency=spec.belt_efficiency,
-        gearhead=varied(one.gearhead, gearhead_times(one.gearhead, of_gearhead)),
+        drive, motor=varied(drive.motor, times), controller=controller, belt_efficiency=spec.belt_efficiency,
+        gearhead=varied(drive.gearhead, gearhead_times(drive.gearhead, of_gearhead)),
     )  # fmt: skip
 
 
 # -- Every check of a drive over samples.
 
 
-def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
+def checks_of(catalog: Catalog, rows: SetRows, block: Block) -> dict[str, CheckColumn]:
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
-    found = _drive(catalog, one, block)
-    motor, gearhead = found.parts.motor, found.parts.gearhead
-    every, draws = list[list[CheckColumn]](), list[Draw]()
+    sampled_drive = _drive(catalog, rows, block)
+    motor, gearhead = sampled_drive.parts.motor, sampled_drive.parts.gearhead
+    by_case, draws = list[list[CheckColumn]](), list[Draw]()
 
     def geared(spec: RobotSpec, at: AtSamples, drive: BeltDrive | None) -> list[CheckColumn]:
         return limits.gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
 
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        at, drive = ats[one.belt], block.belts[one.belt]
-        of_case = _servo_checks if found.pull_out is None else _stepper_checks
-        checks, draw = of_case(spec, at, found, bool(block.feeds))
+        at, drive = ats[rows.belt], block.belts[rows.belt]
+        of_case = _servo_checks if sampled_drive.pull_out is None else _stepper_checks
+        checks, draw = of_case(spec, at, sampled_drive, bool(block.feeds))
         checks += limits.motor_limits(spec, motor)
-        if one.controller >= 0 or found.pull_out is None:
-            checks.append(_controller_fits(spec, found.parts.controller, one))
-        checks += block.once(partial(limits.load_limits, spec, at, drive), "load limits", number, one.belt)
-        names = "gearhead limits", number, one.gearhead, one.belt
+        if rows.controller >= 0 or sampled_drive.pull_out is None:
+            checks.append(_controller_fits(spec, sampled_drive.parts.controller, rows))
+        checks += block.once(partial(limits.load_limits, spec, at, drive), "load limits", number, rows.belt)
+        names = "gearhead limits", number, rows.gearhead, rows.belt
         checks += block.once(partial(geared, spec, at, drive), *names)
         if spec.shaft:
             checks += loads_on_motors(spec, at, drive, motor, gearhead)
-        every.append(checks)
+        by_case.append(checks)
         draws.append(draw)
     for feeds, numbers in block.feeds:
-        first, drawn = numbers[0], [draws[number] for number in numbers]
-        every[first] += columns_of(block.specs[first], feeds, block.ats[first][one.belt].load_cycle, drawn)
-    return {check.name: check for check in limits.worst_of_all(every)}
+        first, battery_draws = numbers[0], [draws[number] for number in numbers]
+        by_case[first] += columns_of(block.specs[first], feeds, block.ats[first][rows.belt].load_cycle, battery_draws)
+    return {check.name: check for check in limits.worst_of_all(by_case)}
 
 
-def _controller_fits(spec: RobotSpec, controller: Figures, one: SetRows) -> CheckColumn:
+def _controller_fits(spec: RobotSpec, controller: Figures, rows: SetRows) -> CheckColumn:
     """Whether the chosen controller permits the supply's voltages."""
     lowest, highest = np.asarray(spec.supply.lowest), np.asarray(spec.supply.highest)
-    good = (controller["supply_min"] <= lowest) & (controller["supply_max"] >= highest) & (one.controller >= 0)
-    known = one.controller < 0 or ~np.isnan(controller["supply_min"] + controller["supply_max"])
+    good = (controller["supply_min"] <= lowest) & (controller["supply_max"] >= highest) & (rows.controller >= 0)
+    known = rows.controller < 0 or ~np.isnan(controller["supply_min"] + controller["supply_max"])
     return fits("controller_available", good, known)
 
 
@@ -533,16 +539,16 @@ def _stepper_checks(spec: RobotSpec, at: AtSamples, drive: _Drive, _: bool) -> t
 _LEAST = ("free_speed", "stall_torque", "pull_out_at_rest", "pull_out_at_speed")  # the worst load case has the smallest
 
 
-def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Array]:
+def figure_columns(catalog: Catalog, rows: SetRows, block: Block) -> dict[str, Array]:
     """Figures of a drive, sample by sample: current, voltage, power, heat, temperature, free speed, stall torque."""
-    drive, found = _drive(catalog, one, block), dict[str, Array]()
+    drive, figures = _drive(catalog, rows, block), dict[str, Array]()
     for spec, ats in zip(block.specs, block.ats, strict=True):
         of_case = _servo_figures if drive.pull_out is None else _stepper_figures
-        for name, column in of_case(spec, ats[one.belt], drive).items():
+        for name, column in of_case(spec, ats[rows.belt], drive).items():
             values = np.array(np.broadcast_to(column, block.size))
             worse = np.minimum if name in _LEAST else np.maximum
-            found[name] = worse(found[name], values) if name in found else values
-    return found
+            figures[name] = worse(figures[name], values) if name in figures else values
+    return figures
 
 
 @np.errstate(divide="ignore", invalid="ignore")
@@ -556,7 +562,7 @@ def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, A
         "joule_heat": np.where(np.isnan(over_time.winding), np.nan, over_time.copper),  # bounds of it are not kept
         "winding_temperature": over_time.winding,
     }  # fmt: skip
-    found = {name: np.where(known, column, np.nan) for name, column in figures.items()}
+    columns = {name: np.where(known, column, np.nan) for name, column in figures.items()}
     motor, gearhead = drive.parts.motor, drive.parts.gearhead
     feed = spec.feed(drive.parts.controller, drive.parts.brake)._replace(voltage=spec.supply.nominal)
     cold = thermal.resistance_at(thermal.resistance_25(motor), spec.environment.ambient)  # winding at the ambient
@@ -566,10 +572,10 @@ def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, A
     speed, _ = operating_point(winding, feed.usable, rubs, own.viscous)
     stalled = np.fmin(feed.usable / cold, drive.parts.controller["peak_current"])
     ratio = own.ratio * at.belt
-    held = np.maximum(own.k_t * stalled - rubs, 0.0) * ratio * own.efficiency * spec.belt_efficiency
-    found["free_speed"] = np.maximum(speed, 0.0) / ratio
-    found["stall_torque"] = np.where(np.isnan(feed.usable), np.nan, held)
-    return found
+    stall_torque = np.maximum(own.k_t * stalled - rubs, 0.0) * ratio * own.efficiency * spec.belt_efficiency
+    columns["free_speed"] = np.maximum(speed, 0.0) / ratio
+    columns["stall_torque"] = np.where(np.isnan(feed.usable), np.nan, stall_torque)
+    return columns
 
 
 def _stepper_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Alike]:

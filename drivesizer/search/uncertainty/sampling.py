@@ -29,14 +29,16 @@ _FEW = 16  # points that are no sample
 def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> Array:
     """Points of the cube from 0 to 1: for each seed as many as a power of two, one seed after the other."""
     name = "sobol" if len(seeds) > 1 else "sobol_of_one"  # of a fit: in no sample's place, which would be drawn anew
-    return _kept(name, repr((figures, power, [*map(tuple, seeds)])).encode(), partial(_drawn, figures, power, seeds))
+    return _kept(
+        name, repr((figures, power, [*map(tuple, seeds)])).encode(), partial(_sobol_points, figures, power, seeds)
+    )
 
 
-def _drawn(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> Array:
+def _sobol_points(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> Array:
     from scipy.stats import qmc
 
-    drawn = [qmc.Sobol(figures, scramble=True, rng=np.random.default_rng(seed)).random_base2(power) for seed in seeds]
-    return np.concatenate(drawn)
+    points = [qmc.Sobol(figures, scramble=True, rng=np.random.default_rng(seed)).random_base2(power) for seed in seeds]
+    return np.concatenate(points)
 
 
 def normal_deviations(share: Array) -> Array:
@@ -52,13 +54,13 @@ def _kept(name: str, of: bytes, make: Callable[[], Array]) -> Array:
     body = cached_bytes(path)
     if body is not None:
         return np.load(io.BytesIO(body), allow_pickle=False)
-    found = make()
-    if found.nbytes <= _LARGEST:
+    points = make()
+    if points.nbytes <= _LARGEST:
         buffer = io.BytesIO()
-        np.save(buffer, found)
+        np.save(buffer, points)
         with suppress(OSError):  # a folder without write access was reported when the catalogue was not kept
             keep(path, buffer.getvalue())
-    return found
+    return points
 
 
 @cache
@@ -85,27 +87,29 @@ class Share(NamedTuple):
     error: float
 
 
-def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence[Assumption] = ()) -> Array:
+def sample(
+    assumptions: Sequence[Assumption], samples: int, seed: int, all_assumptions: Sequence[Assumption] = ()
+) -> Array:
     """Values of assumptions, a row a machine, replicate after replicate: the same seed, the same samples."""
-    columns = [one.column for one in drawn or given]
-    each = -(-samples // REPLICATES)
-    power = max(int(np.ceil(np.log2(each))), 0)
+    columns = [assumption.column for assumption in all_assumptions or assumptions]
+    count = -(-samples // REPLICATES)
+    power = max(int(np.ceil(np.log2(count))), 0)
     points = sobol(max(len(columns), 1), power, [(seed, number) for number in range(REPLICATES)])
-    rows = first_of_each(each * REPLICATES, len(points))
-    return values_of(given, points[rows][:, [columns.index(one.column) for one in given]])
+    rows = first_of_each(count * REPLICATES, len(points))
+    return values_of(assumptions, points[rows][:, [columns.index(assumption.column) for assumption in assumptions]])
 
 
 def first_of_each(samples: int, size: int) -> Whole:
     """Rows of the first samples of every replicate."""
-    each = np.arange(REPLICATES)[:, None] * (size // REPLICATES) + np.arange(samples // REPLICATES)
-    return each.reshape(-1)
+    rows = np.arange(REPLICATES)[:, None] * (size // REPLICATES) + np.arange(samples // REPLICATES)
+    return rows.reshape(-1)
 
 
-def values_of(given: Sequence[Assumption], cube: Array) -> Array:
+def values_of(assumptions: Sequence[Assumption], cube: Array) -> Array:
     """Values of assumptions at points of the cube."""
-    normal = [k for k, one in enumerate(given) if one.distribution.by_deviations]
+    normal = [k for k, assumption in enumerate(assumptions) if assumption.distribution.by_deviations]
     deviations = dict(zip(normal, normal_deviations(cube[:, normal]).T, strict=True)) if normal else {}
-    values = [one.distribution.at(cube[:, k], deviations.get(k)) for k, one in enumerate(given)]
+    values = [assumption.distribution.at(cube[:, k], deviations.get(k)) for k, assumption in enumerate(assumptions)]
     return np.stack(values, axis=1) if values else np.zeros((len(cube), 0))
 
 
@@ -117,8 +121,8 @@ def mean_and_error(hits: Mask) -> Share:
     Where all samples agree the replicates give no error; then 3/n, since so many samples miss a rarer event with
     a probability of 5 % (the rule of three).
     """
-    each = hits.reshape(REPLICATES, -1).mean(axis=1)
-    error = _STUDENT * float(np.std(each, ddof=1)) / np.sqrt(REPLICATES)
+    shares = hits.reshape(REPLICATES, -1).mean(axis=1)
+    error = _STUDENT * float(np.std(shares, ddof=1)) / np.sqrt(REPLICATES)
     return Share(float(hits.mean()), max(float(error), 3.0 / len(hits) if hits.all() or not hits.any() else 0.0))
 
 
@@ -173,10 +177,10 @@ def rank_correlations(inputs: Array, output: Array) -> Array:
 
 def _ranks(columns: Array) -> Array:
     """Ranks less their mean; equal values share one."""
-    found = np.empty_like(columns)
+    ranks = np.empty_like(columns)
     for k, column in enumerate(columns.T):
         _, where, many = np.unique(column, return_inverse=True, return_counts=True)
         last = np.cumsum(many)
-        found[:, k] = (last - (many - 1) / 2.0)[where]
-    found -= found.mean(axis=0)
-    return found
+        ranks[:, k] = (last - (many - 1) / 2.0)[where]
+    ranks -= ranks.mean(axis=0)
+    return ranks

@@ -38,7 +38,7 @@ from drivesizer.spec.tolerances import Toleranced
 TABLE = (*listed("drivesizer.search.uncertainty", "figures.txt"),)
 # figures that enter checks beside the load cycle, and such as have no effect on any, with the reason
 COLUMNS = {cells[0]: {*cells[1].split()} for head, cells in TABLE if head == "checks"}
-NOT_SAMPLED = {one: cells[1] for head, cells in TABLE if head == "not sampled" for one in cells[0].split()}
+NOT_SAMPLED = {name: cells[1] for head, cells in TABLE if head == "not sampled" for name in cells[0].split()}
 
 
 def _field(path: Path_) -> str:
@@ -73,26 +73,26 @@ def reason(path: Path_) -> str:
 
 
 _SECTIONS = {"motor": "motors", "gearhead": "gearheads", "controller": "controllers"}
-Given = Mapping[tuple[str, str], str]
+SpecClasses = Mapping[tuple[str, str], str]
 
 
-def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class, ...]:
+def holding(catalog: Catalog, spec_classes: SpecClasses, part: str, row: int) -> tuple[Class, ...]:
     """The classes of one part's figures, one a figure; none without the part, or of a controller inside an actuator."""
     table = catalog.table(_SECTIONS[part])
     if row < 0 or table["part"][row] == DIRECT or (part == "controller" and table["inside"][row] != ""):
         return ()
     stated = maker_tolerances_of(catalog.tolerances, part, str(table["manufacturer"][row]), str(table["family"][row]))
-    found = []
-    for default in classes(given):
+    tolerances = []
+    for default in classes(spec_classes):
         if default.part == part and _concerns(catalog, part, row, default.figure):
             mine = stated.get(default.figure)
-            if (part, default.figure) in given:
-                found.append(default)
+            if (part, default.figure) in spec_classes:
+                tolerances.append(default)
             else:
                 own = _of_a_maker(catalog, mine) if mine else None
                 stalled = None if mine else _of_stall(catalog, part, row, default.figure)
-                found.append(stalled or _of_peers(catalog, default, part, row) or own or default)
-    return tuple(found)
+                tolerances.append(stalled or _of_peers(catalog, default, part, row) or own or default)
+    return tuple(tolerances)
 
 
 def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
@@ -160,10 +160,10 @@ _COLUMNS = {  # of a class: the columns that it varies, as far as they may be es
 def _of_peers(catalog: Catalog, default: Class, part: str, row: int) -> Class | None:
     """The class of a figure that is estimated: the band of its law; None where the catalogue has the figure."""
     for name in _COLUMNS.get((part, default.figure), ()):
-        one = catalog.estimate_of(_SECTIONS[part], row, name)
-        if one is None or one.fit == MOUNTED:  # a mounting is no property of the part
+        estimate = catalog.estimate_of(_SECTIONS[part], row, name)
+        if estimate is None or estimate.fit == MOUNTED:  # a mounting is no property of the part
             continue
-        value, low, high = (1.0 / x - 1.0 if name == "efficiency" else x for x in one[:3])  # of losses per torque
+        value, low, high = (1.0 / x - 1.0 if name == "efficiency" else x for x in estimate[:3])  # of losses per torque
         least, most = sorted((low / value, high / value))
         text = f"{least:.2f} to {most:.2f} times, 5 to 95 %"
         factor = Distribution("lognormal", least, most, 1.0)
@@ -172,28 +172,42 @@ def _of_peers(catalog: Catalog, default: Class, part: str, row: int) -> Class | 
     return None
 
 
-def _of_a_maker(catalog: Catalog, one: MakerTolerance) -> Class:
-    source = catalog.sources[one.source]
+def _of_a_maker(catalog: Catalog, tolerance: MakerTolerance) -> Class:
+    source = catalog.sources[tolerance.source]
     certainty = "" if source.confidence == "quoted" else source.confidence
     date = "" if source.date in source.document else source.date
-    why = ", ".join(text for text in (f"{one.maker}: {source.document}", date, certainty) if text)
-    return class_of(one.part, one.figure, one.tolerance, why, owner_of(catalog.tolerances, one))
+    why = ", ".join(text for text in (f"{tolerance.maker}: {source.document}", date, certainty) if text)
+    return class_of(tolerance.part, tolerance.figure, tolerance.tolerance, why, owner_of(catalog.tolerances, tolerance))
 
 
-def holding_of_a_set(catalog: Catalog, given: Given, *rows: int) -> tuple[Class, ...]:
+def holding_of_a_set(catalog: Catalog, spec_classes: SpecClasses, *rows: int) -> tuple[Class, ...]:
     """The classes of the figures of a motor, its gearhead and its controller, by their rows."""
-    return tuple(one for part, row in zip(_SECTIONS, rows, strict=False) for one in holding(catalog, given, part, row))
+    return tuple(
+        tolerance
+        for part, row in zip(_SECTIONS, rows, strict=False)
+        for tolerance in holding(catalog, spec_classes, part, row)
+    )
 
 
-def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, ...]]) -> tuple[Class, ...]:
+def classes_in_use(catalog: Catalog, spec_classes: SpecClasses, rows: Iterable[tuple[int, ...]]) -> tuple[Class, ...]:
     """The classes that hold for any of some motors, gearheads and controllers, each once, in a fixed order.
 
     The order is that of the figures, the default class of each first, then the makers' by name.
     """
-    parts = dict.fromkeys(pair for one in rows for pair in zip(_SECTIONS, one, strict=False))
-    found = {one for part, row in parts for one in holding(catalog, given, part, row)}
+    parts = dict.fromkeys(pair for group in rows for pair in zip(_SECTIONS, group, strict=False))
+    tolerances = {tolerance for part, row in parts for tolerance in holding(catalog, spec_classes, part, row)}
     order = {key: place for place, key in enumerate(CLASSES)}
-    return tuple(sorted(found, key=lambda one: (order[one.part, one.figure], one.whose, one.text, one.why)))
+    return tuple(
+        sorted(
+            tolerances,
+            key=lambda tolerance: (
+                order[tolerance.part, tolerance.figure],
+                tolerance.whose,
+                tolerance.text,
+                tolerance.why,
+            ),
+        )
+    )
 
 
 # -- Uncertain figures of a machine and its drive: every figure with a tolerance, in a fixed order.
@@ -228,38 +242,45 @@ class Assumption(NamedTuple):
         return f"{100.0 * (value - 1.0):+.3g} %"
 
 
-def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[Assumption, ...]:
+def assumptions(spec: RobotSpec, tolerances: Sequence[Class] | None = None) -> tuple[Assumption, ...]:
     """All uncertain figures of a spec and of the catalogue."""
-    if held is None:  # the default classes of its kind of motor: others would take columns of its samples
+    if tolerances is None:  # the default classes of its kind of motor: others would take columns of its samples
         foreign = NOT_OF_STEPPERS if spec.steps else OF_STEPPERS
-        held = [one for one in classes(spec.tolerances.given) if (one.part, one.figure) not in foreign]
-    return (*map(of_the_file, spec.toleranced), *(of_a_class(one) for one in held if one.factor is not None))
+        tolerances = [
+            tolerance
+            for tolerance in classes(spec.tolerances.given)
+            if (tolerance.part, tolerance.figure) not in foreign
+        ]
+    return (
+        *map(of_the_file, spec.toleranced),
+        *(of_a_class(tolerance) for tolerance in tolerances if tolerance.factor is not None),
+    )
 
 
-def of_the_file(one: Toleranced) -> Assumption:
+def of_the_file(figure: Toleranced) -> Assumption:
     """The assumption that a figure of a spec is."""
-    name = field_name(one.path)
-    return Assumption(name, f"{name} {one.text}", one.value, one.distribution, given=one)
+    name = field_name(figure.path)
+    return Assumption(name, f"{name} {figure.text}", figure.value, figure.distribution, given=figure)
 
 
-def of_a_class(one: Class) -> Assumption:
+def of_a_class(tolerance: Class) -> Assumption:
     """The assumption that the class of a catalogue's figure is; it has a distribution."""
-    assert one.factor is not None
-    return Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
+    assert tolerance.factor is not None
+    return Assumption(tolerance.name, f"{tolerance.title} {tolerance.text}", 1.0, tolerance.factor, catalogue=tolerance)
 
 
 def case_paths(spec: RobotSpec, number: int | None) -> dict[int, Path_]:
     """The spec's tolerances that count in a load case, by their number, with their places there."""
     if number is None:
-        return {k: one.path for k, one in enumerate(spec.toleranced) if one.path[0] != "cases"}
+        return {k: figure.path for k, figure in enumerate(spec.toleranced) if figure.path[0] != "cases"}
     own = dict(enumerate(spec.entered.get("cases") or ())).get(number, {})  # poses of a robot are not in the file
-    found: dict[int, Path_] = {}
-    for k, one in enumerate(spec.toleranced):
-        if one.path[:2] == ("cases", number):
-            found[k] = one.path[2:]
-        elif one.path[0] != "cases" and not _replaced(own, one.path):
-            found[k] = one.path
-    return found
+    paths: dict[int, Path_] = {}
+    for k, figure in enumerate(spec.toleranced):
+        if figure.path[:2] == ("cases", number):
+            paths[k] = figure.path[2:]
+        elif figure.path[0] != "cases" and not _replaced(own, figure.path):
+            paths[k] = figure.path
+    return paths
 
 
 def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
@@ -272,21 +293,23 @@ def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
 
 def applied(spec: RobotSpec, changes: Mapping[Path_, Alike]) -> RobotSpec:
     """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked."""
-    return _moved(spec, changes) if changes else spec
+    return _with_differences(spec, changes) if changes else spec
 
 
-def _moved(place: Any, changes: Mapping[Path_, Alike]) -> Any:
+def _with_differences(place: Any, changes: Mapping[Path_, Alike]) -> Any:
     """A section, list or figure with what is in it moved; places count from it."""
     if () in changes:
         return place + changes[()]
     if isinstance(place, OfSolids):
-        solids = _moved(place.solids, changes)
+        solids = _with_differences(place.solids, changes)
         return moment(solids) if any(np.ndim(x) for x in changes.values()) else OfSolids(solids)
     within: dict[str | int, dict[Path_, Alike]] = {}
     for path, difference in changes.items():
         within.setdefault(path[0], {})[path[1:]] = difference
     if isinstance(place, list):
-        return [_moved(one, within[n]) if n in within else one for n, one in enumerate(place)]
+        return [_with_differences(element, within[n]) if n in within else element for n, element in enumerate(place)]
     if isinstance(place, dict):
-        return place | {name: _moved(place[name], some) for name, some in within.items()}
-    return place.model_copy(update={name: _moved(getattr(place, str(name)), some) for name, some in within.items()})
+        return place | {name: _with_differences(place[name], inner) for name, inner in within.items()}
+    return place.model_copy(
+        update={name: _with_differences(getattr(place, str(name)), inner) for name, inner in within.items()}
+    )
