@@ -534,7 +534,7 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
     for figure in dict.fromkeys(fit.law.figure for _, fit in laws):
         estimate = _estimate(parts, figure, [law for law in laws if law[1].law.figure == figure])
         if len(estimate.rows):
-            subset = table.taken(estimate.rows)
+            subset = table.at_rows(estimate.rows)
             (name, middle), low, high = (
                 given_column(subset, figure, x) for x in (estimate.value, estimate.low, estimate.high)
             )
@@ -608,7 +608,7 @@ def _ends(fit: Fit, parts: _Parts, stranger: NDArray[np.bool_]) -> Array:
 
 def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
     """All that a part's data sheet leaves out and its peers give."""
-    return [_of_row(figure, values, 0) for figure, values in estimates(table.taken(slice(row, row + 1))).items()]
+    return [_of_row(figure, values, 0) for figure, values in estimates(table.at_rows(slice(row, row + 1))).items()]
 
 
 def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:

@@ -191,7 +191,7 @@ def open_catalogs(names: Iterable[str] = ()) -> dict[str, Catalog]:
     return catalogs
 
 
-def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
+def all_parts(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
     """All parts of some sections, without direct drive."""
     for section in sections:
         for name, catalog in shelf.items():
@@ -270,7 +270,7 @@ def find(shelf: Shelf, part: str) -> list[Hit]:
                 f"{quoted(part)} is a family of {section}; `drivesizer catalog list {section} --family '{part}'` "
                 "lists its parts"
             )
-    raise InputError(f"{quoted(part)} is in no catalogue{nearest(part, (hit.part for hit in every(shelf)))}")
+    raise InputError(f"{quoted(part)} is in no catalogue{nearest(part, (hit.part for hit in all_parts(shelf)))}")
 
 
 def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list[Hit]]:
@@ -292,7 +292,7 @@ def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list
 def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:
     """The parts of each family, by section and name."""
     groups: dict[str, dict[str, list[Hit]]] = {section: {} for section in PARTS}
-    for hit in every(shelf):
+    for hit in all_parts(shelf):
         groups[hit.section].setdefault(hit["family"], []).append(hit)
     return groups
 

@@ -141,7 +141,7 @@ class Table(Generic[Part]):
         """The table with other figures in some columns."""
         return replace(self, columns={**self.columns, **columns})
 
-    def taken(self, rows: NDArray[np.int64] | slice) -> Table[Part]:
+    def at_rows(self, rows: NDArray[np.int64] | slice) -> Table[Part]:
         """Some of the parts, as a table."""
         columns = {name: values[rows] for name, values in self.columns.items()}
         return Table(self.section, columns, self.source[rows], self.excluded[rows])
@@ -555,7 +555,7 @@ class _Stack:
         self.rows = np.array(sorted(last.values()), np.int64)  # that are left
         place = {part: n for n, part in enumerate(columns["part"][self.rows].tolist())}
         self.place = np.array([place[part] for part in columns["part"].tolist()], np.int32)  # of each row, among these
-        self.table = whole if len(self.rows) == len(whole) else whole.taken(self.rows)
+        self.table = whole if len(self.rows) == len(whole) else whole.at_rows(self.rows)
 
 
 def _printed(by_catalog: Sequence[Any], stack: _Stack, first_source: Sequence[int]) -> Any:

@@ -78,10 +78,10 @@ def export(
 ) -> None:
     """Write all parts to CSV, with a row of units, or to JSON, in SI."""
     from drivesizer.catalog import PARTS
-    from drivesizer.catalog.query import every
+    from drivesizer.catalog.query import all_parts
 
     shelf = open_named(catalog)
-    hits = list(every(shelf, [known_section(section)] if section else PARTS))
+    hits = list(all_parts(shelf, [known_section(section)] if section else PARTS))
     if output.suffix == ".csv":
         write_csv(output, hits)
     elif output.suffix == ".json":
@@ -405,7 +405,7 @@ def search(
     json: Json = False,
 ) -> None:
     """Find parts and families by a piece of their number, name or kind."""
-    from drivesizer.catalog.query import every, families, look
+    from drivesizer.catalog.query import all_parts, families, look
 
     shelf = open_named(catalog)
     groups, parts = look(shelf, text)
@@ -418,7 +418,7 @@ def search(
 
         show_blocks(catalogue.searched(groups, parts, limit))
     else:
-        known = {name for group in families(shelf).values() for name in group} | {hit.part for hit in every(shelf)}
+        known = {name for group in families(shelf).values() for name in group} | {hit.part for hit in all_parts(shelf)}
         typer.echo(f"drivesizer: {quoted(text)} is in no number, family or kind{nearest(text, known)}", err=True)
     raise typer.Exit(0 if has_hits else 1)
 

@@ -14,8 +14,8 @@ from drivesizer.kernel.heat import (
     Law,
     added,
     bodies_of,
-    both,
     change_of,
+    in_sequence,
     law_of,
     left_over,
     mean_square,
@@ -326,7 +326,7 @@ def periodic_start(d: Drive, c: Course, count: int, cycle: int) -> tuple[float, 
         for n in range(pieces - 1, -1, -1):
             piece = part(s, n, pieces)
             law = heating(d, b, piece)
-            whole = both(change_of(law, spread(law, piece.t), piece.t), whole)
+            whole = in_sequence(change_of(law, spread(law, piece.t), piece.t), whole)
     return periodic(whole)
 
 
@@ -525,11 +525,11 @@ def put(rows: Array, written: int, piece: Piece) -> int:
 
 def count_pieces(d: Drive, c: Course, count: int) -> int:
     """Pieces of a cycle."""
-    found = 0
+    total = 0
     for k in range(count):
         s, steady = segment_of(d, c, k, 0)
-        found += pieces_of(d, s, steady)
-    return found
+        total += pieces_of(d, s, steady)
+    return total
 
 
 def one_drive(d: Drive, c: Course, count: int, cycle: int, level: int, cuts: int, rows: Array) -> Figures:
@@ -542,9 +542,9 @@ def one_drive(d: Drive, c: Course, count: int, cycle: int, level: int, cuts: int
     if math.isinf(start[0] + start[1]):
         held, start = away, unknown
     while True:
-        found = over_cycle(d, c, count, cycle, held, start, level, cuts, rows)
-        if math.isnan(start[0]) or found.winding < BEYOND:
-            return found
+        figures = over_cycle(d, c, count, cycle, held, start, level, cuts, rows)
+        if math.isnan(start[0]) or figures.winding < BEYOND:
+            return figures
         held, start = away, unknown
 
 
@@ -558,7 +558,7 @@ def drive_of(x: Array) -> Drive:
 
 
 def evaluate_rows(
-    drives: Array, found: Array, duration: Array, speed: Array, acceleration: Array, torque: Array,
+    drives: Array, columns: Array, duration: Array, speed: Array, acceleration: Array, torque: Array,
     steps: NDArray[np.int64], cycles: NDArray[np.int64], sizes: NDArray[np.int64], rows: Array,
 ) -> int:  # fmt: skip
     """Drives one after the other, each over one of the cycles; ``sizes``: segments, level, cuts of a piece."""
@@ -569,5 +569,5 @@ def evaluate_rows(
     for r in range(len(drives)):
         figures = one_drive(drive_of(drives[r]), c, count, cycles[r], level, cuts, rows)
         for k in range(len(figures)):
-            found[r, k] = figures[k]
+            columns[r, k] = figures[k]
     return 0

@@ -86,12 +86,12 @@ def phi_2(x: float) -> float:
     """(e^x - 1 - x) / x^2."""
     if abs(x) > SMALL:
         return (math.expm1(min(x, LARGEST)) - x) / (x * x)
-    found = 1.0 / 2.0
-    term = found
+    series = 1.0 / 2.0
+    term = series
     for k in range(3, 16):
         term *= x / k
-        found += term
-    return found
+        series += term
+    return series
 
 
 def spread(law: Law, t: float) -> Spread:
@@ -165,7 +165,7 @@ def change_of(law: Law, s: Spread, t: float) -> Change:
     )  # fmt: skip
 
 
-def both(first: Change, then: Change) -> Change:
+def in_sequence(first: Change, then: Change) -> Change:
     """Additions of one stretch and another after it."""
     return Change(
         first.ww + then.ww + (then.ww * first.ww + then.wh * first.hw),

@@ -115,7 +115,7 @@ class PageServer(ThreadingHTTPServer):
         """Say in a line what failed; a browser that went away is no fault."""
         error = sys.exception()
         if not isinstance(error, OSError):
-            said(error, self.token)
+            report_fault(error, self.token)
 
     def end(self) -> None:
         """Give answers under way a moment to say that the server ends."""
@@ -124,7 +124,7 @@ class PageServer(ThreadingHTTPServer):
             self.lock.wait_for(lambda: not self.streams, _LAST)
 
 
-def said(error: BaseException | None, token: str) -> None:
+def report_fault(error: BaseException | None, token: str) -> None:
     """A line on the terminal about a fault of the program, without the token."""
     fault = printable(f"{type(error).__name__}: {error}"[:300]).replace(token, "...")
     print(f"drivesizer: a fault of drivesizer itself ({fault}); please report it", file=sys.stderr, flush=True)
@@ -188,7 +188,7 @@ class _Connection(BaseHTTPRequestHandler):
         except InputError as error:
             self._refused(400, str(error))
         except Exception as error:  # the page has its status 500; the terminal has a line
-            said(error, self.server.token)
+            report_fault(error, self.server.token)
             self._refused(500, "a fault of drivesizer itself")
         else:
             if isinstance(response.content, bytes):

@@ -76,7 +76,7 @@ class Page:
         if request.path == "/save":
             return reply(saved(self.path, request_of(SaveRequest, request.body)))  # of two tabs one is first
         if request.path == CATALOGUE:
-            return reply(taken(request_of(CatalogueRequest, request.body), self.engines))
+            return reply(file_answer(request_of(CatalogueRequest, request.body), self.engines))
         name = request.path.removeprefix("/do/")
         if not request.path.startswith("/do/") or name not in REQUESTS:
             raise Refusal(404, "there is no such job")
@@ -142,7 +142,7 @@ def form_schema() -> str:
     package = Path(__file__).resolve().parents[1]  # the program as it is: for those who change it, by its files' dates
     dates = sorted(f"{path.name} {path.stat().st_mtime_ns}" for path in package.rglob("*.py"))
 
-    def made() -> bytes:
+    def page_data() -> bytes:
         from drivesizer.commands.setup import KINDS, starter
         from drivesizer.loads import AXES
         from drivesizer.output.sketch import SKETCHES, symbols
@@ -156,7 +156,7 @@ def form_schema() -> str:
                  "symbols": {kind: symbols(kind) for kind in SKETCHES}}  # fmt: skip
         return json.dumps(schemas, ensure_ascii=False).encode()
 
-    return kept(f"schema-{digest_of(__version__.encode(), *map(str.encode, dates))}.json", made).decode()
+    return kept(f"schema-{digest_of(__version__.encode(), *map(str.encode, dates))}.json", page_data).decode()
 
 
 # -- The file of the page: read, and written where the user saves it, unless another program has changed it.
@@ -235,7 +235,7 @@ _UNUSUAL = re.compile(r"[^A-Za-z0-9._-]+")
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.](ya?ml|csv|tsv|txt|xlsx|pdf|json|cfg|xml|mjcf|log|wpilog)")
 
 
-def taken(request: Piece, engines: Engines) -> Piece:
+def file_answer(request: Piece, engines: Engines) -> Piece:
     """Keep a catalogue where it is right, or give one up; a log is answered with its fit."""
     own, plain = engines.own, _UNUSUAL.sub("_", request["name"][-80:])  # a file's name as specs have it
     if not _NAME.fullmatch(plain):

@@ -119,11 +119,6 @@ class PlatformNumbers(NamedTuple):
     matrices: list[Numbers]
     at_instant: tuple[Numbers, Numbers]  # course, forces
 
-    @property
-    def every(self) -> list[Numbers]:
-        """All tables in their order."""
-        return [self.wheels, self.mobility, *self.matrices, *self.at_instant]
-
 
 def platform_numbers(spec: RobotSpec, drive: DriveSet | None) -> PlatformNumbers:
     """Tables of a platform."""

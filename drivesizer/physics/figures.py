@@ -100,15 +100,15 @@ def on(record: Record, rows: Any) -> Record:
     rows = np.flatnonzero(rows) if isinstance(rows, np.ndarray) and rows.dtype == bool else rows  # numbers are quicker
     known: dict[int, Any] = {}
 
-    def taken(x: Any) -> Any:
+    def at_rows(x: Any) -> Any:
         if id(x) not in known:
             if isinstance(x, np.ndarray):
                 known[id(x)] = x[rows] if isinstance(rows, slice) else x.take(rows, axis=0)
             else:
-                known[id(x)] = x.on(rows) if hasattr(x, "on") else _each(taken, x)
+                known[id(x)] = x.on(rows) if hasattr(x, "on") else _each(at_rows, x)
         return known[id(x)]
 
-    return taken(record)
+    return at_rows(record)
 
 
 def joined(several: Sequence[Record]) -> Record:
@@ -235,7 +235,7 @@ def once_per_part(compute: Callable[[Figures], Result]) -> Callable[[Figures], R
 
     @wraps(compute)
     def computed(part: Figures) -> Result:
-        per_part: Callable[[Callable[[Figures], Result]], Result] | None = getattr(part, "each", None)
+        per_part: Callable[[Callable[[Figures], Result]], Result] | None = getattr(part, "per_part", None)
         return compute(part) if per_part is None else per_part(compute)
 
     return computed

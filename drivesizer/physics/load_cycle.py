@@ -121,15 +121,15 @@ class LoadCycle:
     def on(self, rows: Any) -> LoadCycle:
         """Some of several cycles side by side."""
 
-        def some(column: Any) -> Any:
+        def at_rows(column: Any) -> Any:
             return column[..., rows] if np.ndim(column) and column.shape[-1] > 1 else column
 
         own = tuple(
-            limit._replace(demand=some(limit.demand), limit=some(limit.limit), time=some(limit.time))
+            limit._replace(demand=at_rows(limit.demand), limit=at_rows(limit.limit), time=at_rows(limit.time))
             for limit in self.own
         )
         names = (*CYCLE_COLUMNS, "inertia", "radius", "held")
-        return replace(self, own=own, **{name: some(getattr(self, name)) for name in names})
+        return replace(self, own=own, **{name: at_rows(getattr(self, name)) for name in names})
 
     def side_by_side(self) -> LoadCycle:
         """One cycle as one of several."""

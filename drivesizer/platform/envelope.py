@@ -154,7 +154,7 @@ def turning_circle(size: Size) -> float:
     return 2.0 * size.reach
 
 
-def corner_width(length: float, one: float, other: float) -> float:
+def corner_width(length: float, a: float, b: float) -> float:
     r"""Width of the widest rectangle of a length that turns through a right-angled corner of two corridors [m].
 
     It keeps both ends of its outer side on the outer walls. At an angle t to them the inner corner is
@@ -165,7 +165,7 @@ def corner_width(length: float, one: float, other: float) -> float:
     ----------
     length
         Of the rectangle [m].
-    one, other
+    a, b
         Widths of the corridors [m].
 
     Returns
@@ -181,7 +181,7 @@ def corner_width(length: float, one: float, other: float) -> float:
     No other way of turning needs less room: rectangle and inner corner are apart when a line along the rectangle's
     outer side parts them, or when all of it is in one corridor, which parts them so as well.
     """
-    a, b, L = one, other, length
+    L = length
     roots = np.roots([-a - L, -2.0 * b, 6.0 * L, -2.0 * b, a - L])
     t = np.concatenate([[0.0, math.pi / 2.0], 2.0 * np.arctan(np.clip(roots.real, 0.0, 1.0))])
     return float((a * np.sin(t) + b * np.cos(t) - L * np.sin(t) * np.cos(t)).min())

@@ -198,7 +198,7 @@ def drives_at_points(
         tables[section] = table.changed({name: x for (of, name), x in values.items() if of == section})
         numbers[singular(section)] = np.cumsum(np.repeat(rows >= 0, count)) - 1
     encoder = np.asarray(drives.encoder)
-    tables["encoders"] = catalog.encoders.taken(encoder[encoder >= 0])
+    tables["encoders"] = catalog.encoders.at_rows(encoder[encoder >= 0])
     numbers["encoder"] = np.repeat(np.cumsum(encoder >= 0) - 1, count)
     numbers = {
         name: np.where(getattr(repeated, name) < 0, getattr(repeated, name), own) for name, own in numbers.items()
@@ -213,7 +213,7 @@ def drives_at_points(
 
 
 def _table(catalog: Catalog, section: str, rows: Whole, points: Mapping[Figure, Array]) -> Table[Any]:
-    table = catalog.table(section).taken(rows)
+    table = catalog.table(section).at_rows(rows)
     inside = section != "brakes" and bool(table["inside"][0] != "")
     follows = (_FOLLOWS if inside else {}) | (_followers(catalog, int(rows[0])) if section == "motors" else {})
     columns = dict(table.columns)

@@ -20,7 +20,7 @@ from rows import hold
 from scipy.optimize import brentq
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, columns_of, load, shipped
-from drivesizer.catalog.query import Hit, every, open_catalogs, origins
+from drivesizer.catalog.query import Hit, all_parts, open_catalogs, origins
 from drivesizer.catalog.tables import as_printed
 from drivesizer.catalog.view import split_actuators
 from drivesizer.units import from_si, to_si
@@ -69,7 +69,7 @@ def test_every_file_is_counted(shelf: dict[str, Catalog]) -> None:
 
 
 def test_how_many_parts(shelf: dict[str, Catalog]) -> None:
-    found = {name: dict(Counter(hit.section for hit in every({name: shelf[name]}))) for name in MAKERS}
+    found = {name: dict(Counter(hit.section for hit in all_parts({name: shelf[name]}))) for name in MAKERS}
     assert found == MAKERS
 
 
@@ -179,7 +179,7 @@ IDENTIFIED = {
 
 def test_identified_friction_is_the_published_model(shelf: dict[str, Catalog]) -> None:
     """The motor's torque as the authors' model has it, friction C + b w + K (motor + load): by search for it."""
-    identified = [one for one in every(shelf, ["actuators"]) if not math.isnan(one["coulomb_friction"])]
+    identified = [one for one in all_parts(shelf, ["actuators"]) if not math.isnan(one["coulomb_friction"])]
     for one in identified:
         C, K, b = IDENTIFIED[one.part.partition(" ")[0]]
         load, w = 0.2 * one["stall_torque"], 0.7 * one["no_load_speed"]
@@ -198,7 +198,7 @@ LOCAL = re.compile(r"/(work|tmp|home|root|mnt|usr)/|catalog-facts|catalog-source
 
 def test_every_figure_has_a_document_and_a_confidence(shelf: dict[str, Catalog]) -> None:
     figures = 0
-    for hit in every(shelf):
+    for hit in all_parts(shelf):
         found = origins(hit)
         confidence = hit.catalog.confidence(hit.section, hit.row)
         assert set(found) == set(confidence)
@@ -238,7 +238,7 @@ def test_no_figure_is_infinite(full: dict[str, Catalog]) -> None:
 
 def test_what_is_derived_or_recalled_says_how(shelf: dict[str, Catalog]) -> None:
     """A figure that is not printed has a note with a text on it, or stands in a table whose source is one."""
-    for hit in every(shelf):
+    for hit in all_parts(shelf):
         base = hit.catalog.sources[hit.table.source[hit.row]].confidence
         notes = hit.catalog.notes_on(hit.section, hit.part)
         for field, confidence in hit.catalog.confidence(hit.section, hit.row).items():
@@ -250,7 +250,7 @@ def test_what_is_derived_or_recalled_says_how(shelf: dict[str, Catalog]) -> None
 def test_prices_are_dated(full: dict[str, Catalog]) -> None:
     """None of the makers here has a price in EUR; where others have one, its source has a date."""
     priced = Counter[str]()
-    for hit in every(full):
+    for hit in all_parts(full):
         prices = [field for field in columns_of(hit.section) if "price" in field and not math.isnan(hit[field])]
         if prices:
             found = origins(hit)
@@ -268,7 +268,7 @@ def _maker(hit: Hit) -> str:
 
 def test_one_file_per_maker(full: dict[str, Catalog]) -> None:
     spelt: dict[str, set[str]] = {}
-    for hit in every(full):
+    for hit in all_parts(full):
         spelt.setdefault(hit.catalogue, set()).add(_maker(hit))
     assert {name for name, makers in spelt.items() if len(makers) != 1} == set()
     makers = [next(iter(names)) for names in spelt.values()]
@@ -278,7 +278,7 @@ def test_one_file_per_maker(full: dict[str, Catalog]) -> None:
 
 def test_no_part_is_in_two_catalogues(full: dict[str, Catalog]) -> None:
     where: dict[str, list[str]] = {}
-    for hit in every(full):
+    for hit in all_parts(full):
         where.setdefault(hit.part.casefold(), []).append(f"{hit.catalogue} {hit.section}")
     assert {part: places for part, places in where.items() if len(places) > 1} == {}
 
@@ -289,7 +289,7 @@ def test_all_load_as_one(full: dict[str, Catalog]) -> None:
     for section in PARTS:
         parts = [part for part in everything.table(section)["part"].tolist() if part != DIRECT]
         assert len(parts) == len(set(parts))
-        assert len(parts) == sum(1 for _ in every(full, [section])), section
+        assert len(parts) == sum(1 for _ in all_parts(full, [section])), section
     apart = split_actuators(everything)
     assert int((apart.motors["inside"] != "").sum()) == len(everything.actuators)
 

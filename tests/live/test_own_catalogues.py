@@ -16,7 +16,7 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.text import hand_over
 from drivesizer.live.engine import EngineMemory, done, take_over
-from drivesizer.live.server import taken
+from drivesizer.live.server import file_answer
 
 NAME = "dropped/mine.yaml"
 
@@ -46,7 +46,7 @@ def drop(held):
     def of(text: str | bytes | None, name: str = "mine.yaml", /, **more: Any) -> dict[str, Any]:
         raw = text.encode() if isinstance(text, str) else text
         body = {"name": name, "content": None if raw is None else base64.b64encode(raw).decode(), **more}
-        return taken({"anyway": False, "text": "", **body}, engine)
+        return file_answer({"anyway": False, "text": "", **body}, engine)
 
     engine = Checking(held)
     of.own = engine.own
@@ -117,7 +117,7 @@ def test_names_and_amounts_are_bounded(drop, monkeypatch):
         assert drop(RIGHT, name)["kind"] == "wrong"
     assert drop(RIGHT, "../../my parts (1).yaml")["kind"] == "wrong"
     assert drop(RIGHT, "my parts (1).yml")["name"] == "dropped/my_parts_1_.yml"
-    assert taken({"name": "a.yaml", "content": "%"}, Checking(EngineMemory("")))["kind"] == "wrong"
+    assert file_answer({"name": "a.yaml", "content": "%"}, Checking(EngineMemory("")))["kind"] == "wrong"
     for n in range(3):
         assert drop(RIGHT, f"{n}.yaml")["kind"] == "kept"
     assert "4 catalogues are here already" in drop(RIGHT, "one_more.yaml")["lines"][0]

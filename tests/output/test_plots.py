@@ -13,7 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from drivesizer.catalog import load
-from drivesizer.catalog.query import Hit, every, find, open_catalogs
+from drivesizer.catalog.query import Hit, all_parts, find, open_catalogs
 from drivesizer.machine.part_curves import gear_efficiency, line, nominal_voltage_curves
 from drivesizer.output.report.figures import parts
 from drivesizer.output.report.figures.picture import on_paper
@@ -73,7 +73,7 @@ def test_the_best_efficiency_is_that_of_the_two_currents(tmp_path):
 def test_the_best_efficiency_is_the_printed_one():
     """maxon prints it in whole percents, of figures of three digits: 646 windings."""
     off = []
-    for hit in every({"maxon": load(["maxon"])}, ["motors"]):
+    for hit in all_parts({"maxon": load(["maxon"])}, ["motors"]):
         found = nominal_voltage_curves(hit, np.linspace(0.0, line(hit).torque, 400))[2] - hit["max_efficiency"]
         off += [np.nanmax(found)] if not np.isnan(found).all() else []
     assert len(off) > 600
@@ -122,7 +122,7 @@ def test_a_printed_pull_out_curve_is_drawn_as_it_is():
 
 
 def test_an_estimated_one_has_its_band_and_never_more_than_the_model():
-    hit = next(every(open_catalogs(["oukeda"]), ["steppers"]))
+    hit = next(all_parts(open_catalogs(["oukeda"]), ["steppers"]))
     plot = part_plots(hit)["pull-out"]
     assert "estimated" in plot["title"]
     _, torque = trace(plot, "24 V supply")

@@ -68,7 +68,7 @@ def test_a_hot_case_takes_what_the_controller_may_carry(maxon):
 
 def test_a_controller_is_chosen_for_the_hottest_case(maxon):
     """Of two controllers alike but for the derating the larger is taken where one load case is hot."""
-    two = maxon.controllers.taken(np.full(2, maxon.controllers.rows["367676"]))
+    two = maxon.controllers.at_rows(np.full(2, maxon.controllers.rows["367676"]))
     small = replace(two, columns={**two.columns, "part": np.array(["small", "large"]),
                                   "continuous_current": np.array([4.9, 5.0]),
                                   "derating_slope": np.array([0.5, nan]),

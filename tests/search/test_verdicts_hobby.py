@@ -117,7 +117,7 @@ def test_gearmotors_that_were_worked_out_by_hand_come_out_alike(maker):
 
 def assert_alike(table, rows, figures, rel):
     """Figures that are taken away come back as they were."""
-    some = table.taken(np.flatnonzero(rows))
+    some = table.at_rows(np.flatnonzero(rows))
     columns = {name: values.copy() for name, values in some.columns.items()}
     for name in (*figures, "torque_constant"):
         columns[name][:] = nan

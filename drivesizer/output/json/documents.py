@@ -75,10 +75,10 @@ def keys(record: type) -> dict[str, Callable[[Any], Any]]:
     entries: dict[str, Callable[[Any], Any]] = {name: attrgetter(name) for name in names if name not in left_out}
     if {"kind", "unit"} <= entries.keys():
         entries["unit"] = lambda figure: figure.unit if figure.kind == "price" else KINDS[figure.kind].si
-    return entries | made(record)
+    return entries | added_keys(record)
 
 
-def made(record: type) -> dict[str, Callable[[Any], Any]]:
+def added_keys(record: type) -> dict[str, Callable[[Any], Any]]:
     """The keys of a record that are none of its fields, or stand in place of one."""
     additions: dict[str, Callable[[Any], Any]] = {}
     for base, entries in _MADE.items():

@@ -15,7 +15,7 @@ import numpy as np
 from drivesizer.catalog import PARTS, columns_of
 from drivesizer.control.path_following import Extreme
 from drivesizer.machine.platform_budget import PermittedSpeeds
-from drivesizer.output.json.documents import SCHEMA, Report, ReportedAxis, keys, made
+from drivesizer.output.json.documents import SCHEMA, Report, ReportedAxis, added_keys, keys
 from drivesizer.output.platform import PlatformNumbers
 from drivesizer.results.check import sentence_case
 from drivesizer.results.machine import MachineSizing
@@ -67,7 +67,7 @@ def _object(of: dict[str, Any]) -> dict[str, Any]:
 
 def properties(record: type, defs: Definitions) -> dict[str, Any]:
     """The keys of a record, each with its type and what it is; the records in it are put among the definitions."""
-    own = made(record)
+    own = added_keys(record)
     section = next((name for name, part in PARTS.items() if part is record), None)
     columns = columns_of(section) if section else {}
     types, remarks = get_type_hints(record, localns=_NAMES), _comments(record)

@@ -64,7 +64,7 @@ class Rows:
             self.columns[name] = column.take(self.rows)
         return self.columns[name]
 
-    def each(self, compute: Callable[[Figures], Alike]) -> Alike:
+    def per_part(self, compute: Callable[[Figures], Alike]) -> Alike:
         """Results of a function of the figures of one part alone, once for each part where that is less."""
         if compute not in self.results:
             few = len(self.rows) <= len(self.table)

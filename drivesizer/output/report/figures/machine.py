@@ -159,25 +159,27 @@ _GAP, _TITLE = 0.12, 0.25  # in, between them, and above each
 def path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
     """The desired path and what was driven, to scale; distance and heading error over the way."""
 
-    def some(count: int, most: int) -> NDArray[np.int64]:  # places, the first and the last among them
+    def spread_places(count: int, most: int) -> NDArray[np.int64]:  # places, the first and the last among them
         return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
     (plane,), (distance,), (turned,) = style.placed(
         figure, 6.4, 3, top=0.42, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False
     )
     posture = next(iter(runs.values())).planned.posture
-    plane.plot(*posture[:2, some(posture.shape[1], _POINTS)], color=COLOURS["blue"], linewidth=1.6, label="desired")
+    plane.plot(
+        *posture[:2, spread_places(posture.shape[1], _POINTS)], color=COLOURS["blue"], linewidth=1.6, label="desired"
+    )
     for (name, run), (colour, dashes) in zip(runs.items(), cycle(_LOOKS), strict=False):
         # dashes lie on the unbroken line, where two runs are one to the eye
         look: Any = {"color": COLOURS[colour], "linestyle": dashes, "zorder": 2.5 if dashes == "solid" else 3.0}
-        plane.plot(*run.posture[:2, some(run.posture.shape[1], _POINTS)], label=named(name), **look)
+        plane.plot(*run.posture[:2, spread_places(run.posture.shape[1], _POINTS)], label=named(name), **look)
         off = deviation(run)
         whole = Window("", 0.0, float(off.travel[-1]))
         for axes, values in ((distance, off.position), (turned, np.degrees(off.heading))):
             rows = style.thinned(off.travel, values, whole)
             axes.plot(off.travel[rows], values[rows], **look)
             axes.set_xlim(0.0, whole.end or 1.0)
-    at = some(posture.shape[1], _ARROWS)
+    at = spread_places(posture.shape[1], _ARROWS)
     plane.quiver(*posture[:2, at], np.cos(posture[2, at]), np.sin(posture[2, at]), color=COLOURS["blue"], width=0.0025,
                  scale=32.0, zorder=3)  # fmt: skip
     plane.set_aspect("equal", adjustable="datalim")
