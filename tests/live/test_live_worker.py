@@ -116,7 +116,7 @@ def test_who_leaves_or_asks_anew_stops_his_own_request_alone(engines: Engines, m
 def test_long_jobs_leave_a_process_for_short_ones(engines: Engines) -> None:
     left = threading.Event()
     for n in range(engines.most):
-        arguments = {"tab": str(n), "slow": True, "wanted": lambda: not left.is_set()}
+        arguments = {"tab": str(n), "slow": True, "has_reader": lambda: not left.is_set()}
         threading.Thread(target=pieces, args=(engines, LONG), kwargs=arguments, daemon=True).start()
     assert within(30.0, lambda: len(engines.busy) == engines.most - 1 and engines.waiting == 1)
     assert answered(engines) == ["spec", "wrong"]

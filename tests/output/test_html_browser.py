@@ -83,7 +83,7 @@ def undrawn(browser, report):
 
 def test_it_loads_in_silence_and_asks_for_nothing(page, report):
     assert page.heard.console == [] and page.heard.requests == [report.as_uri()]
-    assert page.locator("html").get_attribute("data-drawn") == "16"
+    assert page.locator("html").get_attribute("data-drawn") == "17"
     assert page.evaluate("performance.getEntriesByType('resource').map(e => e.name)") == []
 
 

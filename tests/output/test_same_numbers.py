@@ -302,13 +302,13 @@ def read_all(text: str, title: str, expected: Fact, limited: bool) -> list[Fact]
     if isnan(expected.value) and isnan(expected.limit):  # a condition without figures
         pattern = rf"{words(title)} [^%]{{0,200}}?{STATUS}"
         return [Fact(unit=expected.unit, status=m["status"]) for m in re.finditer(pattern, text)]
-    margin = rf"(?: (?P<margin>{NUMBER}) %)?(?: needs \S+ %)?"
+    margin = rf"(?: (?:(?P<margin>{NUMBER})|(?P<beyond>> 9999)) %)?(?: needs \S+ %)?"
     pattern = rf"{words(title)} .{{0,300}}?{quantity} {quantity}{margin} {STATUS}"
     return [
         Fact(
             parsed(m, 1),
             parsed(m, 5),
-            value_of(m["margin"]) / 100.0 if m["margin"] else nan,
+            inf if m["beyond"] else value_of(m["margin"]) / 100.0 if m["margin"] else nan,
             expected.unit,
             m["status"],
         )
@@ -391,7 +391,11 @@ def rounds(expected: Fact, fact: Fact) -> bool:
         and all(
             both_unknown(a, b) or abs(a - b) <= digit(a, expected) for a, b in zip(expected[:2], fact[:2], strict=True)
         )
-        and (both_unknown(expected.margin, fact.margin) or abs(expected.margin - fact.margin) <= fine * (1 + 1e-9))
+        and (
+            both_unknown(expected.margin, fact.margin)
+            or abs(expected.margin - fact.margin) <= fine * (1 + 1e-9)
+            or (fact.margin == inf and expected.margin >= 99.99)  # printed as beyond 9999 %
+        )
     )
 
 
