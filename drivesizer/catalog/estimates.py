@@ -553,9 +553,10 @@ def _estimate(parts: _Parts, figure: str, laws: list[tuple[int, Fit]]) -> Estima
     count = len(parts.table)
     band, by = np.full((3, count), np.nan), np.full(count, -1)
     missing, width = np.isnan(parts.term(figure).middle), np.full(count, np.inf)
-    values = [(number, law, _law_value(law, parts, parts.strangers(law))) for number, law in laws if missing.any()]
+    strangers = {number: parts.strangers(law) for number, law in laws if missing.any()}
+    values = [(number, law, _law_value(law, parts, strangers[number])) for number, law in laws if number in strangers]
     for number, law, term in values:
-        spread = term.above - term.below + np.where(parts.strangers(law), _LAST, 0.0)
+        spread = term.above - term.below + np.where(strangers[number], _LAST, 0.0)
         better = missing & (spread < width) & ((by < 0) | (law.source == ""))
         better &= ~_refuted(parts, law, term, values)
         for place, side in enumerate((np.zeros(count), term.below, term.above)):

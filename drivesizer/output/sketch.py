@@ -17,6 +17,7 @@ _FONT = "font-family: 'DejaVu Sans', sans-serif"
 Point = tuple[float, float]
 
 _SPRINGS = {"constant": "F", "linear": "c", "torsion": "c", "gas": "F", "counterweight": "m"}  # symbol of each kind
+_USUAL_PLACE = 452.0, 4.0  # of springs, at the upper right
 _SPIRAL = [n / 6 for n in range(6, 64)]
 _FRAME: list[list[Point]] = [[(44, 3), (44, 23)], *([(44.0, y), (49.0, y - 5.0)] for y in (8.0, 13.0, 18.0, 23.0))]
 _MARKS: dict[str, list[list[Point]]] = {  # of what is beside the drive: lines, the load's end at the left
@@ -210,6 +211,8 @@ def _pen_of(kind: str, entered: Mapping[str, object] | None) -> Pen:
         for name, arguments in stroke.items():
             look = arguments[-1] if isinstance(arguments[-1], dict) else {}
             getattr(pen, name)(*(arguments[:-1] if look else arguments), **look)
+    if not any("springs" in stroke for stroke in SKETCHES[kind]):
+        pen.springs(*_USUAL_PLACE)
     return pen
 
 

@@ -30,8 +30,8 @@ from drivesizer.results.sizing import frame_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study import store as folders
 from drivesizer.study.figures import row_figures
-from drivesizer.study.plan import Job, Places, Plan, Variant, planned
-from drivesizer.study.rows import Column, Part, Row, columns_of, forget_files, rows_of, spec_figures
+from drivesizer.study.plan import Places, Plan, planned
+from drivesizer.study.rows import Column, Row, columns_of, forget_files, rows_of, spec_figures
 from drivesizer.study.workers import Progress, Workers, computed, cores, workers
 
 if TYPE_CHECKING:
@@ -137,8 +137,6 @@ def _explained(cells: Sequence[object], values: NDArray[np.float64], *, sampled:
 
 
 _TASKS = 128  # at least, where there are as many points
-_LARGEST = 100  # variants of a task: so many are lost by each killed process
-_OF_CHUNK = 1000  # that a worker writes as a file
 _TRIED = 200  # variants, to find a valid one
 
 
@@ -222,24 +220,19 @@ def refuse_if_all_invalid(plan: Plan) -> str:
 
 def _compute(plan: Plan, store: folders.Store, on: Workers | None, progress: Progress | None) -> None:
     """Compute the points that are missing, several in a task, and store each task when it is complete."""
-    missing, largest = store.missing(plan.every_point), _LARGEST
-    compute: Callable[[Job, Sequence[Variant]], Part] = rows_of
-    ends = np.zeros(0, np.int64)
-    if isinstance(store, folders.Chunks):
-        place, columns = str(store.path.absolute()), columns_of(plan)
-        compute = partial(folders.into_chunk, folder=place, columns=columns, made_of=store.made_of)
-        largest, ends = _OF_CHUNK, np.flatnonzero(np.diff(missing) > 1) + 1  # a chunk has points one after the other
-    several = min(max(plan.points * plan.of_each // _TASKS, 1), largest)
+    stretches = store.missing(plan.every_point)
+    several = min(max(plan.points * plan.of_each // _TASKS, 1), store.most_of_task)
     per_task = max(several // plan.of_each, 1)
     tasks = (
         [variant for point in stretch[n : n + per_task] for variant in plan.point(point)]
-        for stretch in (part.tolist() for part in np.split(np.array(missing, np.int64), ends))
+        for stretch in stretches
         for n in range(0, len(stretch), per_task)
     )
-    done = plan.total - len(missing) * plan.of_each
+    missing = sum(map(len, stretches))
+    done = plan.total - missing * plan.of_each
     if missing and progress:
         progress(done, plan.total)
-    for part in computed(plan.job, tasks, on, compute):
+    for part in computed(plan.job, tasks, on, store.computation(plan)):
         store.keep(part)
         done += part.variants
         if progress:

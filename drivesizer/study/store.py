@@ -22,6 +22,7 @@ import socket
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from itertools import groupby, islice
@@ -41,7 +42,7 @@ from drivesizer.files.yaml_source import YamlSource, texts_in
 from drivesizer.output.words import csv_cell
 from drivesizer.spec.machine import named_catalogs
 from drivesizer.study.plan import Job, Plan, Variant
-from drivesizer.study.rows import Column, Part, Row, rows_of
+from drivesizer.study.rows import Column, Part, Row, columns_of, rows_of
 from drivesizer.version import __version__
 
 _FORMAT = 2  # of the folder
@@ -126,6 +127,7 @@ class Store:
     """The rows of a study; the caller holds its folder's lock."""
 
     kind: Mapping[str, str] = {}  # in the manifest
+    most_of_task = 100  # variants: so many are lost by each killed process
 
     def __init__(self, folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool = False) -> None:
         self.folder, self.path, self.made_of = folder, folder / "rows.jsonl", made_of
@@ -187,10 +189,14 @@ class Store:
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written ({reason_of(error)})") from None
 
-    def missing(self, points: int) -> list[int]:
-        """Points to be computed, of the first so many."""
+    def missing(self, points: int) -> list[list[int]]:
+        """Points to be computed, of the first so many: lists out of which a task may have some."""
         self._grow(points)
-        return [int(point) for point in np.flatnonzero(self.places[:points] < 0)]
+        return [np.flatnonzero(self.places[:points] < 0).tolist()]
+
+    def computation(self, plan: Plan) -> Callable[[Job, Sequence[Variant]], Part]:
+        """The function that computes a task: here its rows are given back."""
+        return rows_of
 
     def every_row(self, points: int | None = None) -> Iterator[Row]:
         """The rows of the first so many points in the order of their variants, as far as they are known."""
@@ -280,6 +286,17 @@ class Chunks(Store):
     """The rows of a study in files of Parquet, each with the points that its name says: together they are one table."""
 
     kind: Mapping[str, str] = {"rows": "chunks"}
+    most_of_task = 1000
+
+    def missing(self, points: int) -> list[list[int]]:
+        """The same; a chunk has points one after the other."""
+        (points_left,) = super().missing(points)
+        ends = np.flatnonzero(np.diff(points_left) > 1) + 1
+        return [stretch.tolist() for stretch in np.split(np.array(points_left, np.int64), ends)]
+
+    def computation(self, plan: Plan) -> Callable[[Job, Sequence[Variant]], Part]:
+        """The function that computes a task and writes its rows."""
+        return partial(into_chunk, folder=str(self.path.absolute()), columns=columns_of(plan), made_of=self.made_of)
 
     def _find(self) -> None:
         self.path = self.folder / "chunks"

@@ -176,26 +176,32 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.slow
-def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
-    """Two workers of a Dask scheduler, one of them killed in the middle."""
+@pytest.fixture
+def cluster(tmp_path):
+    """Address of a Dask scheduler of two workers, and the number of each one's process."""
     pytest.importorskip("distributed")
-    laid(tmp_path, MANY)
     (tmp_path / "cluster.py").write_text(CLUSTER)
     with subprocess.Popen(
         [sys.executable, "cluster.py"], cwd=tmp_path, env=surroundings(), stdin=subprocess.PIPE,
         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8",
     ) as running:  # fmt: skip
-        address, worker, _ = running.stdout.readline().split()
-        with subprocess.Popen(
-            halted(20, "--scheduler", address, "--no-maps"), cwd=tmp_path, env=surroundings(), stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE, encoding="utf-8",
-        ) as study:  # fmt: skip
-            until(lambda: len(kept(tmp_path)) >= 20)
-            os.kill(int(worker), signal.SIGKILL)
-            (tmp_path / "go").touch()
-            _, err = study.communicate(timeout=WAIT)
+        yield running.stdout.readline().split()
         running.stdin.close()
+
+
+@pytest.mark.slow
+def test_a_cluster_that_loses_a_worker_gives_the_same(whole, cluster, tmp_path):
+    """Two workers of a Dask scheduler, one of them killed in the middle."""
+    laid(tmp_path, MANY)
+    address, worker, _ = cluster
+    with subprocess.Popen(
+        halted(20, "--scheduler", address, "--no-maps"), cwd=tmp_path, env=surroundings(), stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, encoding="utf-8",
+    ) as study:  # fmt: skip
+        until(lambda: len(kept(tmp_path)) >= 20)
+        os.kill(int(worker), signal.SIGKILL)
+        (tmp_path / "go").touch()
+        _, err = study.communicate(timeout=WAIT)
     assert (study.returncode, err) == (0, "")
     assert results(tmp_path / "study") == without_maps(whole)
 
@@ -234,18 +240,10 @@ def test_chunks_without_pyarrow_are_one_line(run, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_chunks_of_a_cluster_are_the_table(whole, tmp_path):
-    pytest.importorskip("distributed")
+def test_chunks_of_a_cluster_are_the_table(whole, cluster, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     laid(tmp_path, MANY)
-    (tmp_path / "cluster.py").write_text(CLUSTER)
-    with subprocess.Popen(
-        [sys.executable, "cluster.py"], cwd=tmp_path, env=surroundings(), stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8",
-    ) as running:  # fmt: skip
-        address = running.stdout.readline().split()[0]
-        done = ran(tmp_path, "--scheduler", address, "--no-maps", "--chunks")
-        running.stdin.close()
+    done = ran(tmp_path, "--scheduler", cluster[0], "--no-maps", "--chunks")
     assert (done.returncode, done.stderr) == (0, "")
     assert as_one(tmp_path).equals(parquet.read_table(io.BytesIO(whole["results.parquet"])))
 

@@ -6,7 +6,7 @@ Colours are names: the page has their values, in light and in dark. Whatever plo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from html import escape
 from textwrap import wrap
 from typing import Any
@@ -144,12 +144,13 @@ def _layout(plot: Plot) -> Data:
             "text": plain(reads(diagram.name, diagram.unit)), "x": 0, "y": top, "xref": "paper", "yref": "paper",
             "xanchor": "left", "yanchor": "bottom", "showarrow": False,
         })  # fmt: skip
-        layout["shapes"] += _shapes(diagram, name.replace("axis", ""))
         highest = diagram.ends[1] if diagram.ends else max((level for _, level in diagram.levels), default=0.0)
+        inside, _ = limits(diagram, highest)
+        layout["shapes"] += _shapes(diagram, [limit.value for limit in inside], name.replace("axis", ""))
         layout["annotations"] += [
             {"text": plain(text), "x": 1, "y": value, "xref": "paper", "yref": name.replace("axis", ""),
              "xanchor": "right", "yanchor": "top" if below else "bottom", "showarrow": False}
-            for text, value, below in limits(diagram, highest)[0]
+            for text, value, below in inside
         ]  # fmt: skip
         top = axis["domain"][0]
     lowest = "y" if len(heights) == 1 else f"y{len(heights)}"
@@ -162,12 +163,11 @@ def _layout(plot: Plot) -> Data:
     return layout
 
 
-def _shapes(diagram: Diagram, axis: str) -> list[Data]:
+def _shapes(diagram: Diagram, inside: Sequence[float], axis: str) -> list[Data]:
     def line(ends: Data, colour: str) -> Data:
         return {"type": "line", "line": {"color": colour, "width": 0.8, "dash": "dash"}, **ends}
 
     across = {"xref": "paper", "x0": 0, "x1": 1, "yref": axis}
-    inside = [value for _, value in diagram.levels if not diagram.ends or value <= diagram.ends[1]]
     shapes = [line({**across, "y0": y, "y1": y}, "ink") for y in (*diagram.dashed, *inside)]
     shapes += [line({"xref": "x", "x0": x, "x1": x, "yref": f"{axis} domain", "y0": 0, "y1": 1}, "grey")
               for x in diagram.upright]  # fmt: skip
