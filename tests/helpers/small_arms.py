@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from random import Random
+from string import Template
 from typing import Any
 
 import numpy as np
@@ -21,40 +22,7 @@ from drivesizer.search.shortlist import load_parts
 from drivesizer.spec.machine import MachineSpec, carrying, load_machine
 
 JOINTS = ("shoulder", "elbow", "wrist")
-_CATALOG = """
-catalog: 1
-manufacturer: maker
-sources: {sheet: {document: a sheet, confidence: quoted}}
-motors:
-  - family: M
-    source: sheet
-    common: {kind: brushed, nominal_voltage: 24 V, max_winding_temperature: 155 degC, ambient_min: -20 degC,
-      ambient_max: 100 degC, max_speed: 9000 rpm, no_load_current: 20 mA, winding_time_constant: 20 s,
-      thermal_resistance_winding: 2 K/W, thermal_resistance_housing: 6 K/W, motor_time_constant: 600 s,
-      no_load_speed: 6000 rpm, nominal_speed: 5000 rpm, shaft_diameter: 6 mm}
-    columns: [part, torque_constant (mN*m/A), resistance (ohm), rotor_inertia (g*cm^2), nominal_current (A), mass (g),
-      price (EUR)]
-    rows:
-MOTORS
-gearheads:
-  - family: G
-    source: sheet
-    common: {kind: planetary, intermittent_input_speed: 8000 rpm, continuous_input_speed: 8000 rpm, backlash: 1 deg,
-      inertia: 1 g*cm^2}
-    columns: [part, ratio, efficiency (%), continuous_torque (N*m), intermittent_torque (N*m), mass (g), price (EUR)]
-    rows:
-GEARS
-controllers:
-  - family: C
-    source: sheet
-    common: {drives: both, supply_min: 10 V, supply_max: 60 V, max_duty: 95 %, voltage_drop: 0 V, peak_time: 10 s}
-    columns: [part, continuous_current (A), peak_current (A), mass (g)]
-    rows:
-      - [only, 50, 100, 40]
-compatibility:
-  motor_gearhead:
-    - {source: sheet, motors: [M], gearheads: [G]}
-"""
+_CATALOG = Template(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))
 
 
 def catalogue(random: Random) -> str:
@@ -69,7 +37,7 @@ def catalogue(random: Random) -> str:
     for n, ratio in enumerate((43, 111)):
         mass, price = 150 * (n + 1) * random.uniform(0.7, 1.4), random.uniform(60, 250)
         gears.append(f"      - [g{n}, {ratio}, 80, {15 * (n + 1)}, {25 * (n + 1)}, {mass:.1f}, {price:.0f}]")
-    return _CATALOG.replace("MOTORS", "\n".join(motors)).replace("GEARS", "\n".join(gears))
+    return _CATALOG.substitute(motors="\n".join(motors), gears="\n".join(gears))
 
 
 def arm(random: Random, folder: Path, objective: str) -> MachineSpec:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from string import Template
 
 import pytest
 
@@ -16,43 +17,7 @@ from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
-# brushed, k_t = k_e = 0.05, R 1 ohm, I_0 0.2 A
-PARTS = """catalog: 1
-manufacturer: Example
-sources: {{sheet: {{document: "sheet", confidence: quoted}}}}
-motors:
-- family: M
-  source: sheet
-  common: {{kind: brushed, nominal_voltage: 24 V, no_load_speed: 4546 rpm, no_load_current: 0.2 A, resistance: 1 ohm,
-    torque_constant: 50 mN*m/A, speed_constant: 190.986 rpm/V, nominal_current: 3 A, nominal_speed: 3800 rpm,
-    max_speed: 6000 rpm, thermal_resistance_winding: 2 K/W, thermal_resistance_housing: 6 K/W,
-    winding_time_constant: 20 s, motor_time_constant: 900 s, max_winding_temperature: 125 degC,
-    ambient_min: -30 degC, ambient_max: 85 degC}}
-  columns: [part, rotor_inertia (g*cm^2)]
-  rows: [[M, {inertia}]]
-gearheads:
-- family: G
-  source: sheet
-  common: {{kind: planetary, stages: 1, reduction: "4:1", inertia: 1 g*cm^2, continuous_torque: 2 N*m,
-    intermittent_torque: 3 N*m, continuous_input_speed: 14000 rpm, intermittent_input_speed: 15000 rpm,
-    continuous_power: 500 W, intermittent_power: 700 W, temperature_min: -30 degC, temperature_max: 100 degC}}
-  columns: [part, ratio, efficiency (%)]
-  rows: [[G, 4, {efficiency}]]
-encoders:
-- family: E
-  source: sheet
-  columns: [part, counts_per_turn, max_speed (rpm), max_frequency (kHz), inertia (g*cm^2)]
-  rows: [[E, 500, {encoder_speed}, 200, 0.1]]
-controllers:
-- family: C
-  source: sheet
-  columns: [part, drives, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), peak_time (s),
-    max_duty (%), voltage_drop (V), max_encoder_frequency (MHz)]
-  rows: [[C, brushed, 6, 60, 10, 20, {peak_time}, 100, {drop}, 2]]
-compatibility:
-  motor_gearhead: [{{source: sheet, motors: [M], gearheads: [G, direct]}}]
-  motor_encoder: [{{source: sheet, motors: [M], encoders: [E]}}]
-"""
+PARTS = Template(Path(__file__).with_name("no_effect.yaml").read_text(encoding="utf-8"))
 PRINTED = {"inertia": "100", "efficiency": "90", "encoder_speed": "9000", "peak_time": "2", "drop": "0"}
 LEVEL = "load: {{kind: recorded, file: level.csv, smoothing: 0 s}}"
 STOPPING = """load: {{kind: flywheel, inertia: 0.02 kg*cm^2}}
@@ -73,7 +38,7 @@ class Shop:
     def drive(self, gearhead: str = "direct", load: str = LEVEL, torque: str = "0.1", **figures: str) -> DriveSet:
         """As ``size`` has it; ``explain`` must say the same."""
         settings = {"capacitance": "", "estimates": "on", "braking": "10 ms"} | figures
-        (self.folder / "parts.yaml").write_text(PARTS.format(**PRINTED | figures), encoding="utf-8")
+        (self.folder / "parts.yaml").write_text(PARTS.substitute(PRINTED | figures), encoding="utf-8")
         rows = f"0,1000,{torque}\n10,1000,{torque}\n"
         (self.folder / "level.csv").write_text(f"time,speed,torque\ns,rpm,N*m\n{rows}", encoding="utf-8")
         (self.folder / "robot.yaml").write_text("name: one\n" + (load + REST).format(**settings), encoding="utf-8")

@@ -1,7 +1,11 @@
 """Drives that robots really have are said to pass, or to be open, and stand among the first of their makers."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
+import yaml
 
 from drivesizer.catalog import load
 from drivesizer.catalog.view import search_view
@@ -10,65 +14,14 @@ from drivesizer.results.ratings import nominal_current_limit
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
-ROBOTS = {  # published masses, wheels, speeds and voltages; motions of their class
-    "turtlebot": (
-        "robotis", "XL430-W250-T 11.1 V", "",
-        """load: {kind: wheeled_vehicle, mass: 1 kg, driven_wheels: 2, wheel_diameter: 66 mm, rolling_resistance: 3 %,
-  inertia: {diameter: 66 mm, length: 18 mm, mass: 28 g}}
-motion: {speed: 0.18 m/s, acceleration_time: 0.3 s, cruise_time: 10 s, rest_time: 5 s}
-transmission: [{kind: gearhead}]
-supply: {nominal: 11.1 V, min: 11.1 V, max: 11.1 V, current: 3 A, accepts: all}""",
-    ),
-    "swerve drive": (
-        "ctre", "Kraken X60", "direct",
-        """load: {kind: wheeled_vehicle, mass: 65 kg, driven_wheels: 4, wheel_diameter: 101.6 mm,
-  rolling_resistance: 2 %, friction_coefficient: 1.1, inertia: {diameter: 101.6 mm, length: 38 mm, mass: 300 g}}
-motion: {profile: segments,
-         segments: [{time: 0.8 s, to: 3.5 m/s}, {time: 1.2 s}, {time: 0.8 s, to: 0 m/s}, {time: 3 s}]}
-transmission: [{kind: direct}, {kind: gear, ratio: 6.75, efficiency: 0.93}]
-supply: {nominal: 12 V, min: 12 V, max: 13 V, current: 300 A, resistance: 15 mohm, accepts: all}""",
-    ),
-    "shoulder of a small arm": (
-        "feetech", "ST-3215-C001", "",
-        """load: {kind: arm, mass: 440 g, length: 260 mm, start_angle: -70 deg}
-motion: {profile: trapezoid, speed: 45 deg/s, acceleration_time: 0.5 s, cruise_time: 1.1 s, rest_time: 0.5 s,
-         there_and_back: true}
-transmission: [{kind: gearhead}]
-supply: {nominal: 7.4 V, current: 10 A, accepts: all}""",
-    ),
-    # 2.6 N*m at 18 rpm, where the line between no load and stall as printed gives 2.5
-    "second joint of a desk arm": (
-        "robotis", "XM430-W350 12 V", "",
-        """load: {kind: arm, mass: 0.95 kg, length: 270 mm, start_angle: -30 deg}
-motion: {profile: trapezoid, speed: 18 rpm, acceleration_time: 0.25 s, cruise_time: 0.3 s, rest_time: 2 s,
-         there_and_back: true}
-transmission: [{kind: gearhead}]
-supply: {nominal: 12 V, current: 5 A, accepts: all}""",
-    ),
-    # 8.2 N*m level, held nearly all the time, of the 9 N*m that its maker prints; its ambient and peak time are not
-    "third joint of a tabletop arm": (
-        "damiao", "DM-J4340-2EC", "",
-        """load: {kind: arm, mass: 2.4 kg, length: 350 mm, start_angle: -30 deg}
-motion: {profile: trapezoid, speed: 95 deg/s, acceleration_time: 0.6 s, cruise_time: 0.1 s, rest_time: 3 s,
-         there_and_back: true}
-transmission: [{kind: gearhead}]
-supply: {nominal: 24 V, current: 15 A, accepts: all}""",
-    ),
-    "hip of a walking robot": (
-        "unitree", "GO-M8010-6", "",
-        """load: {kind: arm, mass: 3.2 kg, length: 180 mm, start_angle: -25 deg}
-motion: {profile: trapezoid, speed: 200 deg/s, acceleration_time: 0.1 s, cruise_time: 0.1 s, rest_time: 0.3 s,
-         there_and_back: true}
-transmission: [{kind: gearhead}]
-supply: {nominal: 24 V, current: 30 A, accepts: all}""",
-    ),
-}  # fmt: skip
+ROBOTS = yaml.safe_load(Path(__file__).with_name("real_drives.yaml").read_text(encoding="utf-8"))
 
 
 def read(name):
-    maker, part, gearhead, text = ROBOTS[name]
-    select = f"select: {{catalogs: [{maker}], objective: mass}}"
-    return read_spec(YamlSource(f"name: {name}\n{text}\n{select}\n", "robot.yaml")), part, gearhead
+    maker, part, gearhead = ROBOTS[name]["drive"]
+    spec = {"name": name, **ROBOTS[name], "select": {"catalogs": [maker], "objective": "mass"}}
+    del spec["drive"]
+    return read_spec(YamlSource(json.dumps(spec), "robot.yaml")), part, gearhead
 
 
 @pytest.mark.parametrize("name", ROBOTS)
