@@ -29,6 +29,8 @@ PARTS = {  # name: module and function that make it
     "licences": ("licence_page", "licences"),
     "loads": ("load_page", "loads"), "machine": ("spec_tables", "machine_sections"),
     "makers": ("catalog_page", "makers"), "shipped": ("catalog_page", "shipped"),
+    "permitted": ("catalog_page", "permitted"),
+    "with_overlap": ("catalog_page", "with_overlap"), "without_overlap": ("catalog_page", "without_overlap"),
     "platform_equations": ("platform_page", "platform_equations"),
     "sensitivities": ("following_page", "sensitivities"), "spec": ("spec_tables", "sections"),
 }  # fmt: skip

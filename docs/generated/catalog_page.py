@@ -1,14 +1,17 @@
-"""What ships, counted; the columns of a catalogue as tables: unit of data sheets, remark of its declaration."""
+"""What ships, counted; laws against its figures; columns of catalogues as tables: unit of data sheets, remark."""
 
 from __future__ import annotations
 
 from collections import Counter
 from functools import cache
 
+import numpy as np
+
 from drivesizer import catalog
 from drivesizer.catalog.parts import DIRECT, PARTS, columns_of, printed
+from drivesizer.physics.drive_train import back_emf_constant, commutation
 
-__all__ = ["actuators", "columns", "combinations", "makers", "shipped"]
+__all__ = ["actuators", "columns", "combinations", "makers", "permitted", "shipped", "with_overlap", "without_overlap"]
 
 _PAIRS = "listed combinations of motor and gearhead"
 _NAMED = 8  # makers by name in a line of what ships
@@ -27,6 +30,27 @@ def actuators() -> str:
 def combinations() -> str:
     """Number of listed combinations of motor and gearhead."""
     return f"{_counts()[_PAIRS].total():,}"
+
+
+def permitted() -> str:
+    """Number of motors that print a permissible and a no-load speed."""
+    motors = (catalog.load([name]).motors for name in catalog.shipped())
+    return str(sum(np.isfinite(one["max_speed"] * one["no_load_speed"]).sum() for one in motors))
+
+
+def with_overlap(share: float = 1.0) -> str:
+    """Of maxon's brushless motors those whose nominal speed the law of commutation meets within 1 %."""
+    motor = catalog.load(["maxon"]).motors.columns
+    V, I, R = (motor[name] for name in ("nominal_voltage", "nominal_current", "resistance"))
+    X = commutation(motor)
+    off = (V - R * I) / (back_emf_constant(motor) + share * X * I) / motor["nominal_speed"] - 1
+    known = np.isfinite(off) & (X > 0)
+    return f"{(np.abs(off[known]) < 0.01).sum()} of {known.sum()}"
+
+
+def without_overlap() -> str:
+    """The same without what commutation takes of the voltage."""
+    return with_overlap(0.0)
 
 
 def shipped() -> str:
