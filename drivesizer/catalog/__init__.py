@@ -99,16 +99,20 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
         When a file does not follow the schema.
     """
     named = [catalog_name for name in names for catalog_name in (shipped() if name == "all" else [name])]
-    files = [path_of(name, beside) for name in dict.fromkeys(named)]
-    paths = list({os.path.realpath(path): path for path in files}.values())  # a file by two names is one
+    read, faults = dict[str, tuple[Path, bytes]](), list[str]()
+    for name in dict.fromkeys(named):
+        try:
+            path = path_of(name, beside)
+            read[os.path.realpath(path)] = path, read_bytes(path, _LARGEST)  # a file by two names is one
+        except InputError as error:
+            faults.append(str(error))
+    if faults:
+        raise UnknownCatalogError(faults[0], faults)
+    paths, raws = [path for path, _ in read.values()], [raw for _, raw in read.values()]
     stems = [path.name if is_list(path) else path.stem for path in paths]
     for stem in stems:
         if stems.count(stem) > 1:
             raise InputError(f"two catalogues are called {quoted(stem)}; rename one of the files")
-    try:
-        raws = [read_bytes(path, _LARGEST) for path in paths]
-    except InputError as error:
-        raise UnknownCatalogError(str(error)) from None
     lists = [_list_beside(path) for path in paths]
     keys = [_key(raw, *map(read_bytes, price_lists)) for raw, price_lists in zip(raws, lists, strict=True)]
 
@@ -138,7 +142,7 @@ def path_of(name: str, beside: Path | None = None) -> Path:
     hint = nearest(name, known, 1)
     raise UnknownCatalogError(
         f"no catalogue is called {quoted(name)}{hint}; expected one of `drivesizer catalog stats`, such as maxon, "
-        "or a .yaml file; or a price list, .csv or .xlsx"
+        "all, a .yaml file, or a price list, .csv or .xlsx"
     )
 
 

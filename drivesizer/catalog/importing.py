@@ -79,6 +79,7 @@ class Imported(NamedTuple):
     heads: list[Head]
     examples: list[str]  # the first known cell below each head
     assumed: tuple[str, ...]  # what the table does not say
+    stated: dict[str, Any]  # what stands in a map beside the columns, the assumed included
     cells: tuple[str, ...]  # that are not understood, and are unknown
     skipped: tuple[str, ...]  # rows, each with its reason
     empty: tuple[str, ...]  # columns without any value
@@ -445,6 +446,8 @@ def import_table(
         examples=[next((cells[at] for _, cells in layout.parts if at < len(cells) and cells[at]), "")
                   for at in range(len(heads))],
         assumed=tuple(assumed),
+        stated={"manufacturer": maker.strip(_QUOTE), "family": next(iter(groups)).strip(_QUOTE)}
+        | {"source": {"name": plan.source_name} | source, "common": common},
         cells=tuple(odd),
         skipped=tuple(skipped),
         empty=tuple(name for head in heads for name in head.column.split() if name not in columns),
@@ -608,17 +611,16 @@ def _compatibility(
     return lists
 
 
-def map_text(imported: Imported, plan: Plan) -> str:
+def map_text(imported: Imported) -> str:
     """The map of a guess as YAML: what is left out stands there too, to be completed."""
 
-    def quote(text: str) -> str:
-        return json.dumps(text, ensure_ascii=False)
+    def quote(value: Any) -> str:
+        if not isinstance(value, dict):
+            return json.dumps(value, ensure_ascii=False)
+        return f"{{{', '.join(f'{key}: {quote(inner)}' for key, inner in value.items() if inner)}}}"
 
-    lines = [f"{key}: {quote(value)}" for key, value in
-             (("manufacturer", plan.manufacturer), ("family", plan.family)) if value]  # fmt: skip
-    source = {"name": plan.source_name, **plan.source}
-    lines += [f"source: {{{', '.join(f'{key}: {quote(value)}' for key, value in source.items() if value)}}}"] \
-        if any(source.values()) else []  # fmt: skip
+    heads = {head.column for head in imported.heads}
+    lines = [f"{key}: {quote(value)}" for key, value in imported.stated.items() if value and key not in heads]
     lines.append("columns:  # guessed by name and unit: look at each; ~ is not imported")
     lines += [f"  {quote(head.theirs)}: {head.column or '~'}" for head in imported.heads if head.theirs]
     return "\n".join(lines) + "\n"

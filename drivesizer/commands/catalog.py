@@ -105,6 +105,7 @@ def take_in(
     map_: Annotated[Path | None, file_option("--map", help="YAML: their header to our column, source, maker.")] = None,
     output: Annotated[Path | None, file_option("--output", "-o", help="The catalogue file to write.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be read.")] = False,
+    replaced: Annotated[bool, typer.Option("--replace", help="Write over files of an import before.")] = False,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="COLUMN=FIGURE", help="Of all parts.")] = None,
     with_: Annotated[
         list[str] | None,
@@ -122,14 +123,16 @@ def take_in(
     from drivesizer.catalog.importing import import_table, map_text, plan
     from drivesizer.catalog.laws import check as checked
     from drivesizer.files.sheets import sheets
-    from drivesizer.files.writing import new
+    from drivesizer.files.writing import new, write_files
     from drivesizer.output.document import catalogue
 
     if output is None and not dry_run:
         raise InputError("--output: no file to write is named; expected -o my_parts.yaml, or --dry-run")
     target = _target(output or Path("parts.yaml"), dry_run=output is None)
-    if output is not None and os.path.lexists(target):
-        raise InputError(f"{target}: the file exists and is left alone; name another with -o")
+    if output is not None and not replaced and os.path.lexists(target):
+        raise InputError(
+            f"{target}: the file exists and is left alone; name another with -o, or --replace writes over it"
+        )
     stated = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
               "confidence": confidence, "date": date, "url": url}  # fmt: skip
     planned = plan(section, map_, stated, set_ or ())
@@ -139,20 +142,25 @@ def take_in(
     if map_ is None and at_a_terminal():
         answered = _completed(imported, planned)
         imported = imported if answered is planned else import_table(tables, file, answered, target, partners)
-    written = []  # before anything is printed, whose reader may go away
+    written, files = list[str](), dict[Path, bytes]()  # before anything is printed, whose reader may go away
     if map_ is None and not dry_run and any(head.column not in ("", head.theirs) for head in imported.heads):
         map_path = target.with_suffix(".map.yaml")
-        new(map_path, map_text(imported, planned).encode())
+        files[map_path] = map_text(imported).encode()
         kind = "" if section else f" --section {imported.section}"
         written.append(
-            f"{map_path} written: mend it where the guess is wrong, remove {target} and import again "
-            f"with --map {map_path}{kind}"
+            f"{map_path} written: mend it where the guess is wrong, and import again "
+            f"with --map {map_path}{kind} --replace"
         )
     if not dry_run:
-        new(target, imported.text.encode())
+        files[target] = imported.text.encode()
         assumed = "what fits is assumed at its end: look at it" if "\ncompatibility:" in imported.text else ""
         fits = assumed or "it states no compatibility: name a catalogue by --with, or add it at its end"
         written.append(f"{target} written; {fits}")
+    if replaced:
+        write_files(files)
+    else:
+        for path, content in files.items():
+            new(path, content)
     show_blocks(catalogue.imported(imported, guessed=map_ is None))
     wrong = [finding for finding in checked(imported.catalog) if finding.unexplained]
     if wrong:

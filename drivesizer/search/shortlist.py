@@ -48,7 +48,8 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
         try:
             catalog = load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
         except UnknownCatalogError as error:
-            raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
+            lines = [f"{spec.where(('select', 'catalogs'))}: {line}" for line in error.lines]
+            raise InputError(lines[0], lines) from None
         catalog = with_typed(catalog, spec.typed, spec.select.named) if spec.typed else catalog
     _offers_motors(spec, catalog)
     limit = next((price.currency for price in spec.price_limits), "")

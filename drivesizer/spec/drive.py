@@ -259,7 +259,7 @@ def or_typed(section: str) -> Callable[[dict[str, Any]], None]:
 class Select(fields.Section):
     """Permitted parts, and the objective of the ranking."""
 
-    catalogs: fields.Names = fields.default(["maxon"])
+    catalogs: fields.Names = fields.default(["maxon"], "names, files of your own, or all for all that ship")
     motor: MotorChoice = fields.all_defaults(
         "or one with figures of its own, typed: name, voltage, no_load_speed ...", json_schema_extra=or_typed("motors")
     )

@@ -211,6 +211,15 @@ def test_a_catalogue_that_is_not_there(tmp_path: Path, name: str, said: str) -> 
     assert said in refusal(lambda: load([name], beside=tmp_path))
 
 
+def test_all_catalogues_that_are_not_there_are_named_at_once(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        load(["maxom", "maxon", "absent.yaml", "lost.csv"], beside=tmp_path)
+    assert [line.partition(": ")[0].rpartition("/")[2] for line in caught.value.lines] == [
+        'no catalogue is called "maxom"; the nearest is maxon; expected one of `drivesizer catalog stats`, such as maxon, '
+        "all, a .yaml file, or a price list, .csv or .xlsx", "absent.yaml", "lost.csv",
+    ]  # fmt: skip
+
+
 # --- wrong files: one line with file, line, field, what was found, what is expected ---------------------------------
 
 WRONG = [

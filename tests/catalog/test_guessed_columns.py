@@ -247,6 +247,17 @@ def test_the_map_of_a_guess_can_be_mended_and_used_again(run, tmp_path):
     assert again.exit_code == 0 and (tmp_path / "own.yaml").read_bytes() == made
 
 
+def test_the_command_that_an_import_names_makes_the_same_again(run, tmp_path):
+    """It was refused by the file of the first one, then for what the first one had assumed."""
+    first = run("parts.csv", SHOP, "--set", "kind=brushed").output
+    made, words = (tmp_path / "own.yaml").read_bytes(), re.search(r"again with (.*)", first)[1].split()
+    (tmp_path / "own.yaml").write_text("mended")
+    found = CliRunner().invoke(app, ["catalog", "import", "parts.csv", "-o", "own.yaml", *words])
+    assert found.exit_code == 0 and (tmp_path / "own.yaml").read_bytes() == made
+    refused = CliRunner().invoke(app, ["catalog", "import", "parts.csv", "-o", "own.yaml", *words[:-1]])
+    assert "--replace writes over it" in str(refused.exception)
+
+
 @pytest.mark.parametrize(
     ("unit", "kept"),
     [("$", ("foreign_price", 24.95, "USD")), ("GBP", ("foreign_price", 24.95, "GBP")),

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Motor, Table
+from drivesizer.catalog import Catalog, Motor, Table, load
+from drivesizer.catalog.expressions import solved
+from drivesizer.catalog.laws import IDENTITIES
 
 TURN = 2 * math.pi
 RPM = TURN / 60  # rad/s
@@ -51,6 +53,23 @@ def test_excluded_gearheads_are_those_without_figures(catalog: Catalog) -> None:
     assert not np.isnan(gearheads["ratio"][~gearheads.excluded]).any()
     for part in gearheads["part"][gearheads.excluded]:
         assert any(note.exclude and note.text for note in catalog.notes_on("gearheads", str(part)))
+
+
+@pytest.mark.parametrize(
+    ("identity", "figure", "low", "high"),
+    [("stall torque and no-load speed", "resistance", 0.99, 1.05),
+     ("no-load speed alone", "torque_constant", 0.98, 1.14),
+     ("stall torque and no-load speed alone", "resistance", 0.99, 1.14)],
+)  # fmt: skip
+def test_what_a_shop_prints_of_a_brushed_motor_gives_its_winding(
+    identity: str, figure: str, low: float, high: float
+) -> None:
+    """Out of voltage, no-load speed and stall torque as printed, against resistance and k_t as printed."""
+    for maker in ("maxon", "faulhaber"):
+        motors = load([maker]).motors
+        brushed = (motors["kind"] == "brushed") & ~motors.excluded
+        ratio = (solved(IDENTITIES["motors"][identity], motors, figure) / motors[figure])[brushed]
+        assert np.isfinite(ratio).sum() > 10 and low < np.nanmin(ratio) and np.nanmax(ratio) < high
 
 
 # --- rows as printed -----------------------------------------------------------------------------------------------

@@ -193,7 +193,7 @@ def test_a_parts_page(run, small):
     assert "encoders: 1 in 1 family: E 1 (1)" in said
     assert "note: mass: weighed; recalled" in said
     assert "source: data sheet, page 3, 2024-05 (quoted)" in said
-    assert "inductance" not in said  # unknown: not on the page
+    assert "shaft diameter" not in said  # unknown: not on the page
 
 
 def test_where_each_figure_is_from(run, small):
@@ -207,8 +207,8 @@ def test_where_each_figure_is_from(run, small):
     (part,) = document["parts"]
     assert part["sources"]["mass"] == {"document": "a forum", "confidence": "recalled", "date": "", "url": ""}
     assert part["goes_with"] == {"gearheads": {"G 26": 1}, "encoders": {"E 1": 1}}
-    assert part["resistance"] is None
-    assert "resistance" not in part["sources"]
+    assert part["shaft_diameter"] is None
+    assert "shaft_diameter" not in part["sources"]
 
 
 def test_parts_side_by_side(run, small):
@@ -241,7 +241,7 @@ def every_medium(run, *args) -> tuple[str, dict[str, list]]:
 
 def test_a_document_says_the_same_in_every_medium(run, small):
     said, rows = every_medium(run, "compare", "M1", "M2", "--catalog", small)
-    assert said.count("9560 rpm") == said.count("28.6 mN·m") == said.count("differs (") == 3
+    assert said.count("no load speed 9560 rpm") == said.count("28.6 mN·m") == said.count("differs (") == 3
     assert rows["nominal torque"][2:4] == (26.3, "mN·m") and rows["assigned power"][4] in ("", None, "unknown")
     said, rows = every_medium(run, "show", "M1", "--catalog", small)
     assert said.count("nominal torque 26.3 mN·m") == 3 and said.count("G 26 (1)") == 3 and "Speed over torque" in said

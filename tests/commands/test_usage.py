@@ -69,6 +69,13 @@ def test_a_catalogue_of_the_command_line_is_no_fault_of_the_spec(run, example, t
     assert run("size", "--catalog", "own.yaml")[1:] == run("size")[1:]
 
 
+def test_where_no_drive_is_found_all_catalogues_are_named(run, example):
+    """Nothing said that there are more catalogues than the one that a spec names."""
+    said = "size robot.yaml --catalog all"
+    assert said not in run("size", example)[1]
+    assert said in run("size", example, "--set", "load.mass=9 t")[1].replace(str(example), "robot.yaml")
+
+
 @pytest.mark.parametrize("words", [[], ["catalog"]])
 @pytest.mark.skipif(os.name == "nt", reason="no such device")
 def test_help_without_words_whose_reader_is_gone(words):

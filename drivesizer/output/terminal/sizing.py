@@ -57,8 +57,11 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
     if quiet:
         sections = tuple(section for section in sections if section.name in _QUIET or section.early in details)
     render.sections(out, printed([Chapter(content, sections)], doc.TERMINAL))
+    behind = f" {spec}" if spec else ""
+    if not best and not quiet and "all" not in result.spec.select.catalogs:
+        out.print(f"\nnext: drivesizer size{behind} --catalog all looks at the drives of all makers", soft_wrap=True)
     if best and not quiet:
-        behind, loop = f" {spec}" if spec else "", "open loop" if best.steps else "closed loop"
+        loop = "open loop" if best.steps else "closed loop"
         _next(
             out,
             f"drivesizer size{behind} --checks, or -v for all; drivesizer validate{behind}: {loop}",
