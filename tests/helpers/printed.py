@@ -14,7 +14,7 @@ import typst
 from matplotlib.image import imread
 from pdf_text import texts_of
 
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.report import pdf
 from drivesizer.output.report.figures import all_figures
 
@@ -46,7 +46,7 @@ def printed(*given: Any, **more: Any) -> Printed:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(typst, "compile", both)
-        content = pdf.report_pdf(Content(*given), **more)
+        content = pdf.report_pdf(content_of(*given), **more)
     (pages,) = seen
     pages = pages if isinstance(pages, list) else [pages]
     return Printed(content, [imread(io.BytesIO(page))[..., :3].min(axis=2) for page in pages])

@@ -12,7 +12,7 @@ import pytest
 from html_reports import CASE, NAME, figures_of, hostile_spec, parsed, whole_validation
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.report import write
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.page import report_html
@@ -29,7 +29,7 @@ def proof(result: SizingResult) -> Validation:
 
 @pytest.fixture(scope="module")
 def content(result: SizingResult, proof: Validation) -> bytes:
-    return report_html(Content(result, proof))
+    return report_html(content_of(result, proof))
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def named_page(hostile):
     """The page of a motor whose family is markup."""
     best = hostile.sets[0]
     named = replace(best, motor=replace(best.motor, family=FAMILY))
-    return parsed(report_html(Content(replace(hostile, sets=(named, *hostile.sets[1:])))))
+    return parsed(report_html(content_of(replace(hostile, sets=(named, *hostile.sets[1:])))))
 
 
 def words(element) -> str:

@@ -8,6 +8,7 @@ from html_reports import HOSTILE, parsed, with_choices
 from lxml import html
 from printed import blank_figures
 
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.report.html.candidate_plots import weights_section
 from drivesizer.output.report.html.page import report_html
@@ -88,7 +89,7 @@ def test_a_figure_that_is_unknown_or_the_same_of_all_has_no_weight(weighed):
 
 def test_it_follows_the_candidates_and_is_missing_without_drives(result, weighed):
     with blank_figures():
-        page, without = (parsed(report_html(Content(one))) for one in (weighed, result))
+        page, without = (parsed(report_html(content_of(one))) for one in (weighed, result))
     names = page.xpath("//h2/@id")
     assert names[names.index("candidates") + 1] == "weights"
     assert "Choose by weights" in words(page.xpath("//nav")[0])

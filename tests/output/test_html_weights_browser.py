@@ -10,7 +10,7 @@ import pytest
 from browser_pages import findings, kept, launched, until
 from html_reports import with_choices
 
-from drivesizer.output.document.axes import document_of
+from drivesizer.output.document.axes import content_of, document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.report.html.candidate_plots import weights_section
@@ -34,13 +34,11 @@ def weighed(result):
 @pytest.fixture(scope="module")
 def path(weighed, tmp_path_factory) -> Path:
     """The section alone on a page without figures, which opens in a tenth of the time of a whole report."""
-    content = Content(weighed)
     made = tmp_path_factory.mktemp("weights") / "page.html"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("plotly.offline.get_plotlyjs", lambda: "")
-        made.write_bytes(
-            filled_page(paper_data(document_of(content)) | {"sections": [weights_section(content)]}, {}, {})
-        )
+        sections = {"sections": [weights_section(Content(weighed))]}
+        made.write_bytes(filled_page(paper_data(document_of(content_of(weighed))) | sections, {}, {}))
     return made
 
 

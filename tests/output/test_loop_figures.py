@@ -15,7 +15,7 @@ from synthetic_validation import labels, synthetic_validation
 
 from drivesizer.control.validation import ControllerGain, Validation
 from drivesizer.errors import InputError
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.loop_table import cell, loop_figures, settled
 from drivesizer.output.report import pdf, write_loop_figures
@@ -169,9 +169,9 @@ def test_the_report_has_table_figures_and_the_controllers_own_units(result, proo
     own = ControllerGain(place="0x30A0:01", name="current controller P gain", value=250_000, unit="µV/A")
     with blank_figures():
         content = pdf.report_pdf(
-            Content(result, replace(proof, loops=(*UNSTABLE, CASCADE[2]), controller_gains=(own,)))
+            content_of(result, replace(proof, loops=(*UNSTABLE, CASCADE[2]), controller_gains=(own,)))
         )
-        bare = text_of(pdf.report_pdf(Content(result, replace(proof, loops=()))))
+        bare = text_of(pdf.report_pdf(content_of(result, replace(proof, loops=()))))
     text = text_of(content)
     for said in (
         "The loops by linear theory", "velocity, braking unstable", "1.6", "Frequency response",

@@ -9,7 +9,7 @@ import pytest
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.parts import BeltDrive
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.document.quote import Ordered
 from drivesizer.output.parts import parts_list, totals
 from drivesizer.output.report import csv as csv_tables
@@ -129,6 +129,6 @@ def test_a_set_that_falls_is_not_bought(result, tmp_path):
     assert [path.name for path in write(fallen, None, [tmp_path / "report.csv"])] == ["report.csv"]
     assert not [
         r
-        for r in csv.DictReader(io.StringIO(csv_tables.report_csv(Content(fallen)).decode()))
+        for r in csv.DictReader(io.StringIO(csv_tables.report_csv(content_of(fallen)).decode()))
         if r["section"] == "part"
     ]

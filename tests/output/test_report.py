@@ -21,6 +21,7 @@ import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.files.writing import write_files
 from drivesizer.output.derivation import evaluated_failures, step
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.records import Equation, Words
 from drivesizer.output.document.worked import with_numbers
@@ -36,7 +37,7 @@ from drivesizer.spec.robot import load_spec
 
 
 def test_csv_shows_the_units_of_the_trade(result):
-    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(Content(result))) if r["set_rank"] in ("", "1")}
+    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(content_of(result))) if r["set_rank"] in ("", "1")}
     # EQUATIONS.md: n_nom = 208.865 rpm; the set of the paper
     assert rows["nominal_speed"]["unit"] == "rpm"
     assert float(rows["nominal_speed"]["value"]) == pytest.approx(208.865, abs=0.0005)
@@ -71,7 +72,7 @@ def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_pa
         (path,) = write(result, validation, [tmp_path / "report.pdf"])
         content = path.read_bytes()
         assert content.startswith(b"%PDF")
-        assert pdf.report_pdf(Content(result, validation)) == content
+        assert pdf.report_pdf(content_of(result, validation)) == content
     assert b"CreationDate" not in content
     text, best = text_of(content), result.sets[0]
     for part in (best.motor, best.gearhead, best.encoder, best.controller):
@@ -98,7 +99,7 @@ def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_pa
 def test_letters_of_other_scripts_and_control_characters_do_no_harm(result):
     named = result.spec.model_copy(update={"name": "測試 робот 😀 \x00\x1b[31m \u202e"})
     with blank_figures():
-        content = pdf.report_pdf(Content(replace(result, problem=replace(result.problem, machine=named))))
+        content = pdf.report_pdf(content_of(replace(result, problem=replace(result.problem, machine=named))))
     assert all(said in text_of(content, most=1) for said in ("робот", "\\x1b[31m"))
 
 
@@ -106,8 +107,8 @@ def test_nothing_to_look_at_at_all(result):
     empty = replace(result.counts, considered=0, feasible=0, failed_by={})
     bare = replace(result, sets=(), misses=(), counts=empty, unrestricted=None)
     with blank_figures():
-        assert "no combination of motor and gearhead" in text_of(pdf.report_pdf(Content(bare)), most=1)
-    assert csv_tables.report_csv(Content(bare))
+        assert "no combination of motor and gearhead" in text_of(pdf.report_pdf(content_of(bare)), most=1)
+    assert csv_tables.report_csv(content_of(bare))
 
 
 def test_every_requirement_has_its_numbers_put_in(result):
@@ -136,7 +137,7 @@ def test_the_kept_failures_of_printed_forms_are_those_that_are_found():
 def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     found = size(starter(kind, tmp_path), catalog=catalog, top=2)
     best = found.sets[0]
-    text = text_of(pdf.report_pdf(Content(found)), most=12)  # the contents, and all that differs from load to load
+    text = text_of(pdf.report_pdf(content_of(found)), most=12)  # the contents, and all that differs from load to load
     assert text.count(best.motor.part) >= 2 and "How to repeat this" in text
     wheels, platform = kind == "wheeled_vehicle", kind == "mecanum_platform"
     assert ("at the load's shaft" in text) is not (wheels or platform)
@@ -146,7 +147,7 @@ def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     assert "paper's own method" not in text.replace("’", "'") and "by the method of the paper" not in text
     assert ("Each driven wheel is a load case" in text) is platform
     assert "Closed loop" not in text and "Current limit to set" in text
-    rows = rows_of(csv_tables.report_csv(Content(found)))
+    rows = rows_of(csv_tables.report_csv(content_of(found)))
     figures = {r["name"]: r for r in rows if r["section"] == "figure" and r["set_rank"] == "1"}
     assert list(figures) == [f.name for f in best.figures]
     for figure in best.figures:
@@ -154,7 +155,7 @@ def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     header, *sets = csv_tables.sets_csv(found).decode().splitlines()
     assert len(sets) == len(found.sets) + len(found.misses) and "figure_energy_J" in header
     with blank_figures():  # those of every starter stand in the PDF
-        page = parsed(report_html(Content(found)))
+        page = parsed(report_html(content_of(found)))
     assert best.motor.part in page.text_content() and {"profile", "cycle", "field"} <= set(figures_of(page))
 
 
@@ -180,7 +181,7 @@ cases:
 
 @pytest.fixture(scope="module")
 def cased_pdf(cased) -> bytes:
-    return pdf.report_pdf(Content(cased))
+    return pdf.report_pdf(content_of(cased))
 
 
 def test_load_cases_margins_and_objectives_are_told(cased, cased_pdf):
@@ -189,7 +190,7 @@ def test_load_cases_margins_and_objectives_are_told(cased, cased_pdf):
     assert "needs +20 %" in text and "needs +15 %" in text
     assert "ranked by 2 mass + 1 price" in text and "in the worst load case" in text
     rows = [
-        r for r in rows_of(csv_tables.report_csv(Content(cased))) if r["section"] == "check" and r["set_rank"] == "1"
+        r for r in rows_of(csv_tables.report_csv(content_of(cased))) if r["section"] == "check" and r["set_rank"] == "1"
     ]
     found = {row["name"]: (row["case"], float(row["needed_margin"])) for row in rows if row["needed_margin"]}
     assert found == {check.name: (check.case, check.needed) for check in cased.sets[0].checks}
@@ -204,7 +205,7 @@ def test_a_front_is_printed_drawn_and_in_the_tables(cased, cased_pdf):
     assert "The Pareto front" in text and "energy per cycle" in text
     for one in cased.front[:5]:
         assert one.motor.part in text
-    rows = [r for r in rows_of(csv_tables.report_csv(Content(cased))) if r["section"] == "front"]
+    rows = [r for r in rows_of(csv_tables.report_csv(content_of(cased))) if r["section"] == "front"]
     for one in cased.front:
         mine = {r["name"]: r for r in rows if r["set_rank"] == str(one.rank)}
         assert mine["mass"]["title"].startswith(one.label)
@@ -225,7 +226,7 @@ def test_changes_are_told_with_numbers(cased):
     )  # fmt: skip
     miss = replace(cased.sets[0], status="fail", changes=moves)
     nothing = replace(cased, sets=(), misses=(miss,), relaxations=moves[:1])
-    rows = [r for r in rows_of(csv_tables.report_csv(Content(nothing))) if r["section"] == "change"]
+    rows = [r for r in rows_of(csv_tables.report_csv(content_of(nothing))) if r["section"] == "change"]
     assert [(r["name"], r["value"], r["limit"], r["unit"]) for r in rows] == [
         ("load.inertia", "3.0", "2.5", "kg*m^2"),
         ("load.inertia", "3.0", "2.5", "kg*m^2"),
@@ -233,8 +234,9 @@ def test_changes_are_told_with_numbers(cased):
         ("gearhead", "26.85", "34.97", "1"),
     ]
     with blank_figures():
-        text = text_of(pdf.report_pdf(Content(nothing)))
-        without = text_of(pdf.report_pdf(Content(replace(nothing, relaxations=(), tried=("load.mass", "load.slope")))))
+        text = text_of(pdf.report_pdf(content_of(nothing)))
+        in_vain = replace(nothing, relaxations=(), tried=("load.mass", "load.slope"))
+        without = text_of(pdf.report_pdf(content_of(in_vain)))
     for said in (
         "Changes after which the closest rejected drive passes",
         "Changes after which a drive passes",
@@ -247,7 +249,7 @@ def test_changes_are_told_with_numbers(cased):
 def test_what_has_no_end_is_told_from_what_is_unknown(cased):
     best = cased.sets[0]
     figures = (replace(best.figures[0], value=inf), replace(best.figures[1], value=nan))
-    rows = rows_of(csv_tables.report_csv(Content(replace(cased, sets=(replace(best, figures=figures),), misses=()))))
+    rows = rows_of(csv_tables.report_csv(content_of(replace(cased, sets=(replace(best, figures=figures),), misses=()))))
     assert [r["si_value"] for r in rows if r["section"] == "figure"] == ["inf", ""]
 
 

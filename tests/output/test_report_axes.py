@@ -17,8 +17,7 @@ from printed import blank_figures
 from drivesizer.machine.common_supply import machine_power
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
-from drivesizer.output.document.axes import MachineContent, document_of
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import MachineContent, content_of, document_of
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals
 from drivesizer.output.report import write
@@ -147,7 +146,7 @@ def test_tables_have_the_records_figures_of_every_axis(machine, files):
 
 def test_a_machine_of_one_axis_gives_the_document_of_a_plain_spec(machine):
     one = replace(machine, machine=replace(machine.machine, axes=machine.machine.axes[:1]), axes=machine.axes[:1])
-    alone = document(Content(replace(one.axes[0].result, front=(), pareto=())))
+    alone = document(content_of(one.axes[0].result))
     assert document(MachineContent(one))["sections"] == alone["sections"]
 
 

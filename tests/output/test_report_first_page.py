@@ -12,7 +12,7 @@ from pdf_text import texts_of
 from printed import blank_figures
 
 from drivesizer.output.document import SECTIONS, Chapter, printed
-from drivesizer.output.document.axes import document_of
+from drivesizer.output.document.axes import content_of, document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.document.records import BOOK
@@ -35,7 +35,7 @@ def by_physics(result: SizingResult) -> SizingResult:
 
 
 def sections(result: SizingResult) -> dict:
-    return {section["name"]: section for section in paper_data(document_of(Content(result)))["sections"]}
+    return {section["name"]: section for section in paper_data(document_of(content_of(result)))["sections"]}
 
 
 def blocks(result: SizingResult, name: str) -> dict:
@@ -84,7 +84,7 @@ def test_the_first_page_of_a_pdf_holds_all_of_it_and_files_go_with_it(result):
     digests = {f"maker {n}": f"{n:032x}" for n in range(80)}
     many = replace(result, problem=replace(result.problem, catalog=replace(result.catalog, digests=digests)))
     with blank_figures():
-        content = report_pdf(Content(many), paper="us-letter")
+        content = report_pdf(content_of(many), paper="us-letter")
     first, *others = (re.sub(r"\s+", " ", text) for text in texts_of(content))
     for said in ("A drive was found", "total", "smallest margins", "Confidence in the verdict", "Figure 1"):
         assert said in first, said
@@ -102,12 +102,12 @@ def test_the_title_block_is_what_the_spec_gives(result):
     spec = result.problem.machine.model_copy(update={"report": TitleBlock(**given)})
     titled = replace(result, problem=replace(result.problem, machine=spec))
     with blank_figures():
-        pages = [re.sub(r"\s+", " ", text) for text in texts_of(report_pdf(Content(titled)))]
-        page = report_html(Content(titled)).decode()
+        pages = [re.sub(r"\s+", " ", text) for text in texts_of(report_pdf(content_of(titled)))]
+        page = report_html(content_of(titled)).decode()
     assert all(text in pages[0] for text in given.values())
     assert all("SPS surveillance robot, AGV 12, revision B" in text for text in pages[1:])
     assert "<dt>Customer</dt><dd>Muster &lt;AG&gt;</dd>" in page and "Author" not in pages[0]
-    assert paper_data(document_of(Content(result)))["block"] == []
+    assert paper_data(document_of(content_of(result)))["block"] == []
     (summary,) = printed([Chapter(Content(titled), SECTIONS[:1])], BOOK)
     assert {row.cells.get("title"): row.cells.get("note") for row in summary.blocks[1].rows}["Project"] == "AGV 12"
 
@@ -136,5 +136,5 @@ def test_checks_are_grouped_by_part_and_keep_their_order_within(result):
 def checks_of(result: SizingResult) -> str:
     """The table of checks on the page."""
     with blank_figures():
-        page = report_html(Content(result)).decode()
+        page = report_html(content_of(result)).decode()
     return page.partition('id="checks"')[2].partition("</table>")[0]

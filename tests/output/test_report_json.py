@@ -8,7 +8,7 @@ import pytest
 from synthetic_validation import synthetic_validation
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.json.documents import MOST_SAMPLES, SCHEMA, as_text, plain, series
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import report_json, write
@@ -23,7 +23,7 @@ VALIDATOR = jsonschema.Draft202012Validator(REPORT)
 
 
 def reported(found: SizingResult) -> dict:
-    return json.loads(report_json(Content(found, None)), parse_constant=pytest.fail)
+    return json.loads(report_json(content_of(found, None)), parse_constant=pytest.fail)
 
 
 @pytest.fixture(scope="module")

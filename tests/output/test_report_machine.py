@@ -19,6 +19,7 @@ from printed import Printed, blank_figures, printed, text_of
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform import trajectory_of
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.document.content import Content, driven_over, machine_words
 from drivesizer.output.document.machine import followed, mass_blocks, permitted
 from drivesizer.output.document.records import Table
@@ -189,8 +190,8 @@ def test_a_drive_that_fails_on_the_machines_budget_says_so_first(change, title):
     result = size(changed(change, ("select: {", "select: {motor: {family: [DCX 22 L, RE 25]}, ")), top=2)
     assert not result.sets and result.misses
     with blank_figures():
-        summary, found, _ = text_of(report_pdf(Content(result)), most=2).partition("CONTENTS")
-        page = re.sub(r"\s+", " ", report_html(Content(result)).decode())
+        summary, found, _ = text_of(report_pdf(content_of(result)), most=2).partition("CONTENTS")
+        page = re.sub(r"\s+", " ", report_html(content_of(result)).decode())
     assert found and re.search(rf"fails on:[^.]*{title}", summary)
     assert re.search(rf"it fails on: [^<]*{title}", page)
 
@@ -231,7 +232,7 @@ def test_the_platforms_report_speaks_of_wheels(sheets):
 
 def test_every_report_has_the_platforms_matrices(result):
     """By hand: (238.53 + 134.95) / 76.2 of E, 76.2 mm · cos 45° of J₂; the inertia with the drive's rotors."""
-    content = Content(result)
+    content = content_of(result)
     rows = {row["name"]: row for row in csv.DictReader(io.StringIO(report_csv(content).decode()))
             if row["section"] == "platform"}  # fmt: skip
     assert float(rows["E_wheel_1_theta"]["value"]) == pytest.approx(4.9013, abs=1e-4)
@@ -251,14 +252,15 @@ def test_every_report_has_the_platforms_matrices(result):
 
 def test_the_speeds_by_direction_are_in_the_report(result, canvas):
     """A diagonal of the drive is slower than straight on; a circle shows what the spec asks for."""
-    content = Content(result, None)
+    report = content_of(result)
+    content = report.alone
     found = content.behaviour.permitted
     table = next(block for block in permitted(content) if isinstance(block, Table))
     assert [column.head for column in table.columns[1:-1]] == ["all motors", *(f"without {n}" for n in range(1, 5))]
     assert [row.cells["all_motors"].value for row in table.rows] == [
         found.at(degrees)[0][0] for degrees in range(0, 91, 15)
     ]
-    rows = {row["name"]: row for row in csv.DictReader(io.StringIO(report_csv(content).decode()))}
+    rows = {row["name"]: row for row in csv.DictReader(io.StringIO(report_csv(report).decode()))}
     assert float(rows["45_all_motors"]["si_value"]) == found.at(45)[0][0] < found.at(0)[0][0]
     panels = canvas(machine.speed_by_direction, found).axes
     assert [axes.get_title("left") for axes in panels] == [f"without wheel {n}" for n in range(1, 5)]
@@ -277,22 +279,24 @@ MEASURED = "{measured: [{name: a robot, position: 2 m, heading: 3 deg}]}"
 def test_path_following_is_in_the_report_of_a_spec_that_has_it(result):
     assert [*followed(Content(result, None))] == []
     found = size(changed(SHORT, ("  misjudged:", f"  following: {MEASURED}\n  misjudged:")), top=1)
-    content = Content(found, None)
+    report = content_of(found)
+    content = report.alone
     table = next(block for block in followed(content) if isinstance(block, Table))
     names = ["a robot, measured", "kinematic model", "dynamic model", "poses fed back"]
     assert [row.cells["title"] for row in table.rows] == names
-    rows = csv.DictReader(io.StringIO(report_csv(content).decode()))
+    rows = csv.DictReader(io.StringIO(report_csv(report).decode()))
     by = {row["name"]: float(row["si_value"]) for row in rows if row["section"] == "followed"}
     assert by["a_robot_measured_position"] == 2.0
     wanted = content.behaviour.followed["dynamic model"]
     assert by["dynamic_model_position"] == pytest.approx(np.hypot(*(wanted.posture - wanted.planned.posture)[:2]).max())
     assert content.pictures["followed"].paper("svg") == content.pictures["followed"].paper("svg")
-    assert list(json.loads(report_json(content))["axes"][0]["path"]["following"]) == names[1:]
+    assert list(json.loads(report_json(report))["axes"][0]["path"]["following"]) == names[1:]
 
 
 def test_a_platform_that_tips_over_is_not_followed_and_its_report_says_so():
     tall = ("centre_of_mass: {height: 90 mm}", f"centre_of_mass: {{height: 3.5 m}}\n  following: {MEASURED}")
-    content = Content(size(changed(SHORT, tall), top=1), None)
+    report = content_of(size(changed(SHORT, tall), top=1))
+    content = report.alone
     (words,) = followed(content)
     assert "the platform tips over" in words.text
-    assert "followed" not in content.pictures and report_json(content)
+    assert "followed" not in content.pictures and report_json(report)

@@ -16,7 +16,7 @@ from synthetic_validation import synthetic_validation
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.report import pdf
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -67,7 +67,7 @@ def test_every_section_figure_and_table_is_there_and_numbered(sheets):
 
 def test_an_unknown_paper_is_refused_in_a_line(result):
     with pytest.raises(InputError, match=r'paper "a5" is not known; expected a4 or us-letter'):
-        pdf.report_pdf(Content(result), paper="a5")
+        pdf.report_pdf(content_of(result), paper="a5")
 
 
 # -- other machines, long names, other scripts, markup

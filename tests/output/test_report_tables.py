@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.words import csv_cell, visible
 from drivesizer.results.sizing import SizingResult
@@ -59,7 +59,7 @@ def is_number(cell: str) -> bool:
 
 @pytest.mark.parametrize("text", PAYLOADS)
 def test_no_cell_is_computed_however_the_file_is_split_and_its_text_is_there(text, result):
-    content = csv_tables.report_csv(Content(hostile(result, text)))
+    content = csv_tables.report_csv(content_of(hostile(result, text)))
     # A comma that is no separator leaves the rest of the row in the cell: only its start is looked at.
     computed = {c for c in every_cell(content) if c.lstrip(" ").startswith(STARTS) and not is_number(c.split(",")[0])}
     assert computed == set()

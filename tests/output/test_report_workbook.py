@@ -17,7 +17,7 @@ from specs import HEAT, without
 from synthetic_validation import synthetic_validation
 
 from drivesizer.catalog import Catalog
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of
 from drivesizer.output.document.records import Column, Printed, Quantity, Row, Section, Series, Table
 from drivesizer.output.report import write
 from drivesizer.output.report.workbook import report_xlsx, shown, written
@@ -37,7 +37,7 @@ def result(spec: RobotSpec, catalog: Catalog) -> SizingResult:
 
 @pytest.fixture(scope="module")
 def content(result) -> bytes:
-    return report_xlsx(Content(result, loop(result)))
+    return report_xlsx(content_of(result, loop(result)))
 
 
 @pytest.fixture(scope="module")
@@ -157,7 +157,7 @@ def test_no_text_is_computed_or_made_a_link(result):
         warnings=FORMULAS,
         sets=(replace(best, checks=(*checks, *best.checks[len(checks) :])),),
     )
-    content = report_xlsx(Content(named, replace(loop(result), profile=FORMULAS[0], warnings=FORMULAS)))
+    content = report_xlsx(content_of(named, replace(loop(result), profile=FORMULAS[0], warnings=FORMULAS)))
     book = openpyxl.load_workbook(io.BytesIO(content))
     written = [cell.value for cell in cells(book)]
     assert len(checks) == len(FORMULAS) and all(written.count(text) >= 3 for text in FORMULAS)
@@ -190,8 +190,8 @@ def test_figures_of_the_data_sheets_carry_their_confidence(book, result):
 
 def test_without_a_set_nothing_is_bought(result):
     bare = replace(result, sets=(), misses=(), counts=replace(result.counts, considered=0, feasible=0, failed_by={}))
-    assert report_xlsx(Content(bare))
-    miss = openpyxl.load_workbook(io.BytesIO(report_xlsx(Content(replace(result, sets=(), misses=result.misses)))))
+    assert report_xlsx(content_of(bare))
+    miss = openpyxl.load_workbook(io.BytesIO(report_xlsx(content_of(replace(result, sets=(), misses=result.misses)))))
     assert not any(cell.value == "order number" for cell in cells(miss))
 
 

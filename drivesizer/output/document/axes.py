@@ -19,7 +19,7 @@ from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_o
 from drivesizer.output.words import likely, number_of, varying_checks
 from drivesizer.results.check import Reliability, gravest, sentence_case, tightest, worst
 from drivesizer.results.check import Status as CheckStatus
-from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
+from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing, of_one_axis
 from drivesizer.results.sizing import SizingResult, ranked_by
 from drivesizer.spec.machine import MachineSpec
 from drivesizer.units import show
@@ -73,10 +73,15 @@ class MachineContent(Reported):
         return self.sizing.machine
 
     @property
+    def alone(self) -> Content | None:
+        """The content of a single axis, of which a document says what it says of a plain spec; None of several."""
+        return self.axes[0].content if len(self.axes) == 1 else None
+
+    @property
     def words(self) -> str:
-        """The machine in a line; one of a single axis as a plain spec."""
+        """The machine in a line."""
         names = [axis.name for axis in self.axes]
-        return f"Machine of {len(names)} axes: {', '.join(names)}" if len(names) > 1 else self.axes[0].content.words
+        return self.alone.words if self.alone else f"Machine of {len(names)} axes: {', '.join(names)}"
 
     @property
     def is_found(self) -> bool:
@@ -86,7 +91,7 @@ class MachineContent(Reported):
     @property
     def catalog(self) -> Catalog:
         """The catalogue of the first axis, by whose rates prices are summed."""
-        return self.axes[0].content.catalog
+        return self.axes[0].content.result.catalog
 
     @property
     def status(self) -> CheckStatus:
@@ -95,13 +100,14 @@ class MachineContent(Reported):
 
     @cached_property
     def axes(self) -> list[AxisContent]:
-        """Every axis, in the order of the file; without its front, which served the choice."""
+        """Every axis, in the order of the file; one of several without its front, which served the choice."""
         lines, specs = parts_by_axis(self.sizing), self.sizing.machine.axes
+        unsaid: dict[str, Any] = {"front": (), "pareto": ()} if len(specs) > 1 else {}
         return [
             AxisContent(
                 key=f"axis{number}-", sizing=sizing, lines=lines[sizing.name],
                 own_supply=len(specs) == 1 or axis.own_supply,
-                content=Content(replace(sizing.result, front=(), pareto=()), self.proofs.get(sizing.name)),
+                content=Content(replace(sizing.result, **unsaid), self.proofs.get(sizing.name)),
             )
             for number, (sizing, axis) in enumerate(zip(self.sizing.axes, specs, strict=True), 1)
         ]  # fmt: skip
@@ -148,8 +154,8 @@ class MachineContent(Reported):
         from drivesizer.output.report.figures.machine import axes_power
         from drivesizer.output.report.figures.picture import Pictured, on_paper
 
-        if len(self.axes) == 1:
-            return self.axes[0].content.pictures
+        if self.alone:
+            return self.alone.pictures
         figures, power = dict(self.loads), self.sizing.power
         if power is not None and len(power.unknown) < len(power.axes):
             plot = axes_power(power)
@@ -459,13 +465,13 @@ FRONT, BACK = doc.sections("machine before its axes"), doc.sections("machine beh
 _AXIS = doc.Section(name="axis", title="", blocks=lambda _: (), early="checks")
 
 
-# -- A sizing or a machine, for all kinds of reports; a machine of one axis gives the document of a plain spec.
+# -- A machine for all kinds of reports; one of a single axis gives the document of a plain spec.
 
 
-def chapters(content: Content | MachineContent, *, of_all_drives: bool = False) -> list[Chapter]:
-    """Sections of a sizing; of a machine those of all axes, and a chapter of each; of all drives for wide media."""
-    if isinstance(content, Content) or len(content.axes) == 1:
-        return [Chapter(content if isinstance(content, Content) else content.axes[0].content)]
+def chapters(content: MachineContent, *, of_all_drives: bool = False) -> list[Chapter]:
+    """Sections of all axes, and a chapter of each, or those of a single axis; of all drives for wide media."""
+    if content.alone:
+        return [Chapter(content.alone)]
     if not of_all_drives:
         axes = [Chapter(axis.content, _chapter(axis), axis.key) for axis in content.axes]
         return [Chapter(content, FRONT), *axes, Chapter(content, BACK)]
@@ -473,7 +479,7 @@ def chapters(content: Content | MachineContent, *, of_all_drives: bool = False) 
     return [Chapter(content, (*FRONT, *BACK)), *(Chapter(axis.content, own, axis.name) for axis in content.axes)]
 
 
-Reportable = Content | MachineContent | doc.Document  # of which there are reports
+Reportable = MachineContent | doc.Document  # of which there are reports
 
 
 def document_of(content: Reportable) -> doc.Document:
@@ -495,9 +501,8 @@ def wide_of(content: Reportable, media: frozenset[str]) -> Iterable[doc.Printed]
 
 def content_of(
     result: SizingResult | MachineSizing, proof: Validation | Mapping[str, Validation] | None = None
-) -> Content | MachineContent:
-    """Content of a report on a sizing, with the closed loop of each axis by its name; of one axis that of it alone."""
-    if isinstance(result, MachineSizing) and not result.alone:
-        return MachineContent(result, proof if isinstance(proof, Mapping) else {})
-    alone = result.alone or result.axes[0].result if isinstance(result, MachineSizing) else result
-    return Content(alone, next(iter(proof.values()), None) if isinstance(proof, Mapping) else proof)
+) -> MachineContent:
+    """Content of a report on a sizing, with the closed loop of each axis by its name."""
+    sizing = result if isinstance(result, MachineSizing) else of_one_axis(result)
+    proofs = {sizing.axes[0].name: proof} if isinstance(proof, Validation) else proof
+    return MachineContent(sizing, proofs or {})

@@ -101,16 +101,6 @@ class Content(Reported):
         """The machine in a line."""
         return machine_words(self.result.spec)
 
-    @property
-    def is_found(self) -> bool:
-        """Whether there is a drive."""
-        return bool(self.result.sets)
-
-    @property
-    def catalog(self) -> Catalog:
-        """The catalogues that were searched."""
-        return self.result.catalog
-
     @cached_property
     def of_drives(self) -> OfDrives:
         """Records that sections of a drive need."""

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from drivesizer.catalog import Catalog
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.axes import MachineContent
-from drivesizer.output.document.content import Content
 from drivesizer.output.parts import PartLine
 
 
@@ -30,10 +29,10 @@ class Ordered(NamedTuple):
         return f"no {' and no '.join(lacks)}" if lacks else ""
 
 
-def lines_of(content: Content | MachineContent) -> list[Ordered]:
+def lines_of(content: MachineContent) -> list[Ordered]:
     """Lines of what is ordered for each axis, at the prices of the quantity of all, then for all axes together."""
-    if isinstance(content, Content):
-        return [Ordered("", line) for line in content.bought] if content.outcome != "missed" else []
+    if alone := content.alone:
+        return [Ordered("", line) for line in alone.bought] if alone.outcome != "missed" else []
     own = [Ordered(axis.name, line) for axis in content.axes for line in axis.lines]
     shared = ("power supply", "brake resistor")
     of_axes = {(line.role, line.part) for _, line in own}
@@ -85,11 +84,11 @@ def _rates_in_words(rates: Mapping[str, float], codes: Mapping[str, object], int
     return (f"1 {code} is {rates[code]:.6g} {into}" for code in codes if code != into)
 
 
-def quote_sections(content: Content | MachineContent) -> Iterator[doc.Printed]:
+def quote_sections(content: MachineContent) -> Iterator[doc.Printed]:
     """The sheets of a quote: the machine, each of several axes, what is missing."""
     lines = whole = lines_of(content)
     catalog = content.catalog
-    if isinstance(content, MachineContent):
+    if not content.alone:
         whole = [Ordered(", ".join(shared_line.axes), shared_line.line) for shared_line in content.bought]
     tables = {"Quote": quote_table(f"Parts of {content.name}", whole, catalog)}
     for axis in dict.fromkeys(axis for axis, _ in lines if axis):
@@ -105,6 +104,6 @@ def quote_sections(content: Content | MachineContent) -> Iterator[doc.Printed]:
         yield doc.section("quote", title, [table])
 
 
-def quote_lines(content: Content | MachineContent) -> doc.Table:
+def quote_lines(content: MachineContent) -> doc.Table:
     """The quote as one table, by axis."""
     return quote_table(f"Parts of {content.name}", lines_of(content), content.catalog)

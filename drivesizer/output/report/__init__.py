@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform import Driving
     from drivesizer.output.document.axes import MachineContent
-    from drivesizer.output.document.content import Content
     from drivesizer.output.document.records import Document
     from drivesizer.results.machine import MachineSizing
     from drivesizer.results.sizing import SizingResult
@@ -121,20 +120,14 @@ def _files(content: Any, path: Path, paper: str, date: str | None) -> dict[Path,
     return {path: report_xlsx(content)}
 
 
-def report_json(content: Content | MachineContent) -> bytes:
+def report_json(content: MachineContent) -> bytes:
     """A sizing with the closed loop of every axis as one JSON document, as the bytes of a file."""
-    from drivesizer.output.document.axes import MachineContent
-    from drivesizer.output.json.documents import OnPath, as_text, on_path, report
-    from drivesizer.results.machine import of_one_axis
+    from drivesizer.output.json.documents import as_text, on_path, report
 
-    if isinstance(content, MachineContent):
-        document = report(content.sizing, content.proofs)
-    else:
-        sizing, behaviour, paths = of_one_axis(content.result), content.behaviour, dict[str, OnPath]()
-        name = sizing.axes[0].name
-        if behaviour and content.result.spec.platform:
-            paths[name] = on_path(content.result.spec, behaviour.permitted, behaviour.followed)
-        document = report(sizing, {name: content.validation} if content.validation else {}, paths)
+    platforms = {name: axis for name, axis in content.contents.items() if axis.given.platform}
+    paths = {name: on_path(axis.given, behaviour.permitted, behaviour.followed)
+             for name, axis in platforms.items() if (behaviour := axis.behaviour)}  # fmt: skip
+    document = report(content.sizing, content.proofs, paths)
     # a lone surrogate, which a spec may have, becomes \udxxx
     return f"{as_text(document)}\n".encode("utf-8", "backslashreplace")
 

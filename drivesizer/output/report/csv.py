@@ -16,7 +16,6 @@ from drivesizer.control.validation import Validation
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.axes import MachineContent, content_of, wide_of
 from drivesizer.output.document.candidates import drives_in_rows, every_list
-from drivesizer.output.document.content import Content
 from drivesizer.output.words import csv_cell
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import SizingResult
@@ -31,7 +30,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def files_csv(content: Content | MachineContent, path: Path) -> dict[Path, bytes]:
+def files_csv(content: MachineContent, path: Path) -> dict[Path, bytes]:
     """The files of a CSV report: the tidy table, a file of each table and series that has one."""
     sections = list(wide_of(content, doc.WIDE))
     axes = list(dict.fromkeys(section.axis for section in sections if section.axis))
@@ -47,7 +46,7 @@ def files_csv(content: Content | MachineContent, path: Path) -> dict[Path, bytes
     return files
 
 
-def report_csv(content: Content | MachineContent) -> bytes:
+def report_csv(content: MachineContent) -> bytes:
     """The tidy table of everything that was found: one figure in a row."""
     return _tidy(list(wide_of(content, doc.WIDE)))
 

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from drivesizer.output.document.axes import MachineContent, Reportable, document_of
+from drivesizer.output.document.axes import Reportable, document_of
 from drivesizer.output.document.candidates import candidate_numbers
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data, pictures_of
@@ -85,8 +85,7 @@ def page_parts(
 ) -> tuple[dict[str, Any], dict[str, Data], dict[str, Drawing]]:
     """The document of a report, its figures that can be moved, and those that cannot, by name."""
     filled, pictures = paper_data(document_of(content), date), dict(content.pictures)
-    alone = content.axes[0].content if isinstance(content, MachineContent) and len(content.axes) == 1 else content
-    if isinstance(alone, Content):
+    if alone := getattr(content, "alone", None):
         filled["sections"] = [*_with_weights(filled["sections"], alone)]
         pictures = pictures | _of_candidates(alone)
     printed = {
