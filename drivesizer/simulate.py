@@ -170,7 +170,8 @@ def slower_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
             ramps = before.model_copy(update={"acceleration": to_si(text, kind)})
             yield Change("slower ramps", f"motion.acceleration: {text}", _with_motion(spec, before, ramps))
             continue
-        text = show(factor * before.phases[0], "s", "time", 6)
+        assert before.acceleration_time is not None  # in place of the acceleration
+        text = show(factor * before.acceleration_time, "s", "time", 6)
         ramps = before.model_copy(update={"acceleration_time": to_si(text, "time")})
         entry = f"motion.acceleration_time: {text}"
         if before.deceleration_time is not None:

@@ -94,41 +94,40 @@ class _Repeated(fields.Section):
 
 
 class Trapezoid(_Repeated):
-    """Accelerate, cruise, decelerate, rest; repeated: by the times of its parts, or by distance and acceleration."""
+    """Accelerate, cruise, decelerate, rest; repeated. Ramps by time or acceleration, the rest by time or distance."""
 
     profile: Literal["trapezoid"] = "trapezoid"
     speed: fields.Velocity = fields.required("cruising speed; with distance at most, as far as that lets it be reached")
     acceleration_time: fields.Duration | None = fields.optional(
-        "also the time of deceleration, where that is not given"
+        "from standstill to speed; also the time of deceleration, where that is not given"
     )
-    deceleration_time: fields.Duration | None = None
+    deceleration_time: fields.Duration | None = fields.optional("beside acceleration_time")
     cruise_time: fields.Pause | None = None
-    distance: fields.Distance | None = fields.optional("of the whole move, with acceleration in place of the times")
-    acceleration: fields.Acceleration | None = fields.optional("and deceleration, with distance")
+    distance: fields.Distance | None = fields.optional("of the whole move, in place of cruise_time")
+    acceleration: fields.Acceleration | None = fields.optional("and deceleration, in place of acceleration_time")
 
     def _contradictions(self) -> Iterator[str]:
         yield from super()._contradictions()
-        times = (self.acceleration_time, self.cruise_time)
-        if self.distance is None and self.acceleration is None:
-            if None in times:
-                lacking = "acceleration_time" if times[0] is None else "cruise_time"
-                yield f"give {lacking}, or distance and acceleration in place of the times"
-        elif any(time is not None for time in (*times, self.deceleration_time)):
-            yield "give distance and acceleration, or acceleration_time and cruise_time, not both"
-        elif self.distance is None or self.acceleration is None:
-            yield f"give {'distance' if self.distance is None else 'acceleration'} as well, or the times"
+        for name, other in (("acceleration_time", "acceleration"), ("cruise_time", "distance")):
+            if (getattr(self, name) is None) == (getattr(self, other) is None):
+                yield f"give {name} or {other}{'' if getattr(self, name) is None else ', not both'}"
+        if self.deceleration_time is not None and self.acceleration_time is None:
+            yield "give acceleration_time beside deceleration_time"
 
     @property
     def phases(self) -> tuple[Alike, Alike, Alike, Alike]:
         """Times of acceleration, cruise and deceleration [s], and the speed that is reached [m/s or rad/s]."""
-        if self.distance is not None and self.acceleration is not None:
-            top = np.minimum(self.speed, np.sqrt(self.distance * self.acceleration))
-            ramp = top / self.acceleration
-            level: Any = np.where(top < self.speed, 0.0, self.distance / top - ramp)[()]
-            return ramp, level, ramp, top
-        up, cruise = self.acceleration_time, self.cruise_time
-        assert up is not None and cruise is not None  # refused above
-        return up, cruise, up if self.deceleration_time is None else self.deceleration_time, self.speed
+        up = self.acceleration_time
+        if up is None:
+            assert self.acceleration is not None  # one of the two
+            up = self.speed / self.acceleration
+        down = up if self.deceleration_time is None else self.deceleration_time
+        if self.distance is None:
+            assert self.cruise_time is not None  # one of the two
+            return up, self.cruise_time, down, self.speed
+        ramps = self.speed * (up + down) / 2  # distance in which the speed is reached, and left again
+        share = np.minimum(1.0, np.sqrt(self.distance / ramps))  # of the speed, as far as the distance lets it
+        return share * up, np.maximum(self.distance - ramps, 0.0) / self.speed, share * down, share * self.speed
 
 
 def trapezoid(motion: Trapezoid) -> Profile:
@@ -138,10 +137,9 @@ def trapezoid(motion: Trapezoid) -> Profile:
     (0.0, 2.0, 5.0, 7.0, 8.0)
     """
     up, cruise, down, top = motion.phases
-    slowing = "acceleration_time" if motion.deceleration_time is None else "deceleration_time"
-    names = ("acceleration_time", "cruise_time", slowing)
-    if motion.distance is not None:
-        names = ("acceleration", "distance", "acceleration")
+    ramp = "acceleration" if motion.acceleration_time is None else "acceleration_time"
+    names = (ramp, "cruise_time" if motion.distance is None else "distance",
+             ramp if motion.deceleration_time is None else "deceleration_time")  # fmt: skip
     legs = (*zip(names, (up, cruise, down), (top, top, 0.0), strict=True), ("rest_time", motion.rest_time, 0.0))
     return _straight("trapezoid", legs, motion.there_and_back)
 

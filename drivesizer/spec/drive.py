@@ -57,7 +57,7 @@ class BeltStage(fields.Section):
     ratio: fields.Ratio | None = fields.optional("gearhead turns per turn of the load; or ratios, or pulleys")
     ratios: Annotated[list[fields.Ratio], Field(min_length=1, max_length=1000)] | None = None
     pulleys: Pulleys | None = None
-    efficiency: fields.Share = fields.required("in either direction of power")
+    efficiency: fields.Share = fields.required("in either direction of power", example="95 %")
     inertia: fields.Inertia = fields.default("0 kg*m^2", "of belt and pulleys, seen at the load's shaft")
     friction_torque: fields.Torque = fields.default("0 N*m", "of its bearings at any load, seen at the load's shaft")
     stiffness: fields.Stiffness | None = fields.optional("of the belt, seen at the load's shaft")
@@ -83,7 +83,7 @@ class GearStage(fields.Section):
 
     kind: Literal["gear", "bevel", "chain", "worm"]
     ratio: fields.Ratio = fields.required("turns of its input shaft per turn of its output shaft; below 1 it steps up")
-    efficiency: fields.Share = fields.required("when the input shaft drives")
+    efficiency: fields.Share = fields.required("when the input shaft drives", example="90 %")
     back_efficiency: fields.BackEfficiency | None = fields.optional(
         "when the output shaft drives; where not given as efficiency, of a worm 2 - 1/efficiency. 0 or "
         "below is self-locking"

@@ -68,6 +68,22 @@ def test_a_trapezoid_by_distance_is_as_fast_as_its_limits_allow(distance, times,
     assert found.distance == pytest.approx(float(distance.split()[0]), rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("given", "times", "top"),
+    [
+        ({"acceleration": "2 m/s^2", "cruise_time": "3 s"}, (0.0, 0.75, 3.75, 4.5), 1.5),  # t = v/a
+        ({"acceleration_time": "1 s", "distance": "3 m"}, (0.0, 1.0, 2.0, 3.0), 1.5),  # s/v - t
+        ({"acceleration_time": "1 s", "distance": "0.375 m"}, (0.0, 0.5, 1.0), 0.75),  # t² = s/a with a = v/t
+        # ramps of 1.5 and 3 m/s²: v² = 2 s/(1/1.5 + 1/3), so that 0.5 m are done in t = 2 s/v
+        ({"acceleration_time": "1 s", "deceleration_time": "0.5 s", "distance": "0.5 m"}, (0.0, 2 / 3, 1.0), 1.0),
+    ],
+)
+def test_a_trapezoid_by_time_or_acceleration_and_by_time_or_distance(given, times, top):
+    found = trapezoid(Trapezoid.model_validate(given | {"speed": "1.5 m/s"}))
+    assert found.time == pytest.approx(times, rel=1e-12)
+    assert max(found.speed) == pytest.approx(top, rel=1e-12)
+
+
 def test_each_way_has_its_rest():
     found = trapezoid(motion(deceleration_time="1 s", rest_time="4 s", there_and_back=True))
     assert found.time == (0.0, 2.0, 5.0, 6.0, 10.0, 12.0, 15.0, 16.0, 20.0)

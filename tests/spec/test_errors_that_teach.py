@@ -68,8 +68,9 @@ def lines(*changes):
         ("{nominal:", "{voltage:", r'^robot.yaml:15: supply.voltage: unknown key; did you mean "nominal"\?$'),
         ("name: cart", "ambient: 40 degC", r"^robot.yaml:1: ambient: unknown key; expected environment.ambient"),
         ("name: cart", "temperature: 40 degC", "expected margins.temperature or environment.ambient"),
-        ("  cruise_time: 10 s", "", "^robot.yaml:9: motion: give cruise_time, or distance and acceleration"),
-        ("  cruise_time: 10 s", "  distance: 2 m", "^robot.yaml:9: motion: .*not both"),
+        ("  cruise_time: 10 s", "", "^robot.yaml:9: motion: give cruise_time or distance$"),
+        ("  cruise_time: 10 s", "  distance: 2 m\n  cruise_time: 1 s", "motion: give cruise_time or distance, not"),
+        ("  cruise_time: 10 s", "  acceleration: 1 m/s^2", "motion: give acceleration_time or acceleration, not both"),
         ("  cruise_time: 10 s", "  dwell: 2 s", r'^robot.yaml:12: motion.dwell: .*did you mean "rest_time"'),
     ],
 )  # fmt: skip
