@@ -12,7 +12,7 @@ import numpy as np
 from measured_data import CELSIUS
 from numpy.typing import NDArray
 
-from drivesizer.catalog.query import Hit, find, open_catalogs
+from drivesizer.catalog.query import PartRow, find, open_catalogs
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.prediction.set_at_voltage import SampledParts, SetAtVoltage, sampled_parts, set_at_voltage
 from drivesizer.results.prediction import Band, Conditions
@@ -68,18 +68,20 @@ class Comparison(NamedTuple):
 
 
 @cache
-def part(catalogue: str, name: str) -> Hit:
+def part(catalogue: str, name: str) -> PartRow:
     """A part of a catalogue."""
     return find(open_catalogs([catalogue]), name)[0]
 
 
-def predicted(motor: Hit, figure: str, conditions: Iterable[dict[str, float]], drive: Hit | None = None) -> list[Band]:
+def predicted(
+    motor: PartRow, figure: str, conditions: Iterable[dict[str, float]], drive: PartRow | None = None
+) -> list[Band]:
     """A figure of ``predict`` under one set of conditions after the other."""
     at = (completed(_BENCH._replace(**given), motor, None) for given in conditions)
     return [predict(motor, None, drive, one, warming=False).figure(figure).band for one in at]
 
 
-def sampled(motor: Hit, voltage: float, drive: Hit | None = None) -> tuple[SetAtVoltage, SampledParts]:
+def sampled(motor: PartRow, voltage: float, drive: PartRow | None = None) -> tuple[SetAtVoltage, SampledParts]:
     """A motor over the samples of ``predict``, at a supply [V]; the first sample is nominal."""
     parts = sampled_parts(motor, None, drive, _POWER)
     return set_at_voltage(parts, completed(_BENCH._replace(voltage=voltage), motor, None)), parts

@@ -8,7 +8,7 @@ import numpy as np
 from measured_compared import OWN_PARTS, Axis, Comparison, against, banded, part, predicted, sampled
 from measured_data import COAST, CONTEST_MOTORS, DISC, RPM, SPEEDS, STEPS, duty_curves, mapped
 
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.physics.thermal import resistance_at
 
 _VOLTAGE, _DUTY = Axis("voltage", "V"), Axis("duty times 12 V", "V")
@@ -36,7 +36,7 @@ def jameco(_: Path) -> list[Comparison]:
     return [*found, _by_the_sheet(bridge), _coast()]
 
 
-def _by_the_sheet(bridge: Hit) -> Comparison:
+def _by_the_sheet(bridge: PartRow) -> Comparison:
     """The steps of both motors, with what the sheet prints and no more: the rotor inertia is estimated."""
     motor, tau = part(OWN_PARTS, "Jameco sheet"), np.array([*STEPS["red"], *STEPS["white"]])
     bands = predicted(motor, "step_time_63", [{"voltage": _STEP, "inertia": DISC}], bridge) * len(tau)

@@ -183,7 +183,7 @@ def slower_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
 
 _ALL = 1e-6  # of the duration: a smaller part that was not simulated is not reported
 _OTHERS = 2  # drives that are tried where one fails
-_KEPT = 0.5  # of the RMS current: a smaller current at rest is not reported
+_SMALL_AT_REST = 0.5  # of the RMS current: a smaller current at rest is not reported
 
 
 def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
@@ -514,7 +514,7 @@ def _rest_current_note(case: ClosedLoop) -> list[str]:
     holding = np.abs(machine.rest_torque + more) / machine.ratio / machine.torque_constant
     worst = int(np.argmax(current - holding))
     at_rest, needed = float(current[worst]), float(holding[worst])
-    if not at_rest > needed + _KEPT * case.figure("rms_current"):
+    if not at_rest > needed + _SMALL_AT_REST * case.figure("rms_current"):
         return []
     cure = "switch the power stage off at rest to save that heat"
     if needed:  # the weight would move the load

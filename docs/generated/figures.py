@@ -16,7 +16,7 @@ from following_page import ran
 
 from drivesizer import explain, load_spec, size, validate
 from drivesizer.catalog import load
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.control.path_following import FollowingRun
 from drivesizer.control.path_following import runs_of_figure as drawn_runs
 from drivesizer.files.yaml_source import YamlSource
@@ -96,7 +96,7 @@ def _permitted() -> Drawing:
 def _at_the_bench() -> Drawing:
     """The figure of ``drivesizer predict --figure`` for the set of its page."""
     maxon, parts = load(["maxon"]), {"motors": "DCX22S01EBKL598", "gearheads": "GPX22HPKLSL44D0CPLW"}
-    motor, gearhead = (Hit("maxon", maxon, name, maxon.table(name).rows[part]) for name, part in parts.items())
+    motor, gearhead = (PartRow("maxon", maxon, name, maxon.table(name).rows[part]) for name, part in parts.items())
     given = Conditions(voltage=nan, ambient=298.15, load=0.4, hold=nan, inertia=0.0, duration=3600.0, warm=nan,
                        resistance=0.0)  # fmt: skip
     drawing = bench_document(predict(motor, gearhead, None, completed(given, motor, gearhead))).pictures["bench"].paper

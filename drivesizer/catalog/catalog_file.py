@@ -422,7 +422,7 @@ def _discharges(reader: Reader, entries: Any, batteries: dict[str, int]) -> part
         battery = _row(reader, entry, "battery", batteries, path)
         source = reader.source_number(entry["source"], (*path, "source"))
         quantity, unit = _head(entry["held"])
-        if quantity not in parts.HELD or not unit:
+        if quantity not in parts.CONSTANT_DRAWS or not unit:
             text = f"{quoted(entry['held'])} is not known; expected current (A) or power (W)"
             raise reader.fail((*path, "held"), text)
         factor = reader.read((*path, "held"), scale, unit, quantity)[0]

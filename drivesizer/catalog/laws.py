@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.expressions import FURTHER, solved, value
-from drivesizer.catalog.parts import DISCHARGES, HELD, PARTS, PULL_OUTS, RELATIONS, Discharges, columns_of
+from drivesizer.catalog.parts import CONSTANT_DRAWS, DISCHARGES, PARTS, PULL_OUTS, RELATIONS, Discharges, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Table, as_printed
 from drivesizer.files.arithmetic import code
 from drivesizer.files.yaml_source import shipped_data
@@ -362,7 +362,7 @@ Odd = tuple[Any, ...]
 
 def _along_columns(own: Discharges) -> Iterator[Odd]:
     """A longer discharge draws less, and gives no less in total; one to a lower end voltage gives no less."""
-    for quantity, unit in HELD.items():
+    for quantity, unit in CONSTANT_DRAWS.items():
         table = own.on(~np.isnan(getattr(own, quantity)))
         total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[quantity]
         draw = getattr(table, quantity)

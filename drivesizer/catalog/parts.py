@@ -23,7 +23,7 @@ from drivesizer.files.text import listed
 from drivesizer.physics.belt import pitch_diameter
 from drivesizer.physics.figures import Figures
 
-_EVERY = "every part"  # head of the fields that all kinds have
+_ALL_KINDS = "every part"  # head of the fields that all kinds have
 DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
 
 
@@ -51,7 +51,7 @@ def _declared() -> dict[str, dict[str, Column]]:
         unit, remark, ends = (*more, "", "", "")[:3]
         least, _, most = ends.partition("..")
         column = Column(name, kind, unit, remark, float(least or 0.0), bool(least), float(most or inf))
-        columns.setdefault(section, dict(columns.get(_EVERY, {})))[name] = column
+        columns.setdefault(section, dict(columns.get(_ALL_KINDS, {})))[name] = column
     return columns
 
 
@@ -254,7 +254,7 @@ def singular(section: str) -> str:
     return re.sub("ies$", "y", section).removesuffix("s").replace("_", " ")
 
 
-_MADE = {  # columns that no catalogue file gives: the search view has them, of actuators and steppers
+_COMPUTED_COLUMNS = {  # columns that no catalogue file gives: the search view has them, of actuators and steppers
     "motors": {"inside", "holding_torque", "detent_torque", "start_speed", "pull_out_share", "mounted_gain"},
     "steppers": {"pull_out_share"},
 }
@@ -262,7 +262,7 @@ _MADE = {  # columns that no catalogue file gives: the search view has them, of 
 
 def printed(section: str) -> dict[str, Column]:
     """The columns that a catalogue file may give, without those that only the search view fills."""
-    view_columns = _MADE.get(section, {"inside"})
+    view_columns = _COMPUTED_COLUMNS.get(section, {"inside"})
     return {name: column for name, column in columns_of(section).items() if name not in view_columns}
 
 
@@ -288,7 +288,7 @@ def columns_of(section: str) -> Mapping[str, Column]:
 
 DISCHARGES = "discharges"  # the section of a catalogue file, and the name for all of a battery's in a note
 PULL_OUTS = "pull_outs"  # the same of a stepper's pull-out torque over speed
-HELD = {"current": "A", "power": "W"}  # what is held while a battery empties
+CONSTANT_DRAWS = {"current": "A", "power": "W"}  # what is held while a battery empties
 
 
 class Discharges(NamedTuple):

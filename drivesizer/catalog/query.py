@@ -144,7 +144,7 @@ Shelf = Mapping[str, Catalog]  # catalogues by name
 
 
 @dataclass(frozen=True, slots=True)
-class Hit:
+class PartRow:
     """A part with its catalogue, section and row."""
 
     catalogue: str
@@ -170,7 +170,7 @@ class Hit:
 class Selection(NamedTuple):
     """The parts that meet all conditions, and the number of those that may, some figures being unknown."""
 
-    hits: list[Hit]
+    hits: list[PartRow]
     undecided: int
     excluded: int  # meet all conditions, but the catalogue excludes them from sizing
 
@@ -191,12 +191,12 @@ def open_catalogs(names: Iterable[str] = ()) -> dict[str, Catalog]:
     return catalogs
 
 
-def all_parts(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
+def all_parts(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[PartRow]:
     """All parts of some sections, without direct drive."""
     for section in sections:
         for name, catalog in shelf.items():
             parts = catalog.table(section)["part"].tolist()
-            yield from (Hit(name, catalog, section, row) for row, part in enumerate(parts) if part != DIRECT)
+            yield from (PartRow(name, catalog, section, row) for row, part in enumerate(parts) if part != DIRECT)
 
 
 def select(
@@ -209,7 +209,7 @@ def select(
     piece: tuple[str, Sequence[str]] = ("", ()),
 ) -> Selection:
     """The parts of a section that meet all conditions, sorted by a column; unknown figures come last."""
-    hits: list[Hit] = []
+    hits: list[PartRow] = []
     undecided = left_out = 0
     for name, catalog in shelf.items():
         table = catalog.table(section)
@@ -221,7 +221,7 @@ def select(
         offered = np.ones(len(table), bool) if excluded else ~table.excluded
         left_out += int((met & ~offered).sum())
         undecided += int((possible & ~met & offered).sum())
-        hits += [Hit(name, catalog, section, int(row)) for row in np.flatnonzero(met & offered)]
+        hits += [PartRow(name, catalog, section, int(row)) for row in np.flatnonzero(met & offered)]
     return Selection(_sorted(hits, section, sort), undecided, left_out)
 
 
@@ -234,7 +234,7 @@ def contains(table: Table[Any], text: str, names: Sequence[str]) -> NDArray[np.b
     return rows
 
 
-def _sorted(hits: list[Hit], section: str, name: str) -> list[Hit]:
+def _sorted(hits: list[PartRow], section: str, name: str) -> list[PartRow]:
     if not name:
         return hits
     column = columns_of(section).get(column_name(name.removeprefix("-")))
@@ -254,14 +254,14 @@ def is_known(value: Any) -> bool:
 # -- A part by its number, a text anywhere in numbers and names, and the sources of one part's figures.
 
 
-def find(shelf: Shelf, part: str) -> list[Hit]:
+def find(shelf: Shelf, part: str) -> list[PartRow]:
     """The parts with a number or another name, in whatever section or catalogue."""
-    exact, other = list[Hit](), list[Hit]()
+    exact, other = list[PartRow](), list[PartRow]()
     for name, catalog in shelf.items():
         for section in PARTS:
             table = catalog.table(section)
-            exact += [Hit(name, catalog, section, table.rows[part])] if part in table.rows else []
-            other += [Hit(name, catalog, section, row) for row in table.called(part)]
+            exact += [PartRow(name, catalog, section, table.rows[part])] if part in table.rows else []
+            other += [PartRow(name, catalog, section, row) for row in table.called(part)]
     if part != DIRECT and (exact or other):
         return exact or other
     for section, names in families(shelf).items():
@@ -273,10 +273,10 @@ def find(shelf: Shelf, part: str) -> list[Hit]:
     raise InputError(f"{quoted(part)} is in no catalogue{nearest(part, (hit.part for hit in all_parts(shelf)))}")
 
 
-def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list[Hit]]:
+def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[PartRow]]], list[PartRow]]:
     """Families whose name or kind contains a text, by section, and parts whose number does."""
 
-    def hits(section: str, *names: str) -> list[Hit]:
+    def hits(section: str, *names: str) -> list[PartRow]:
         return select(shelf, section, [], excluded=True, piece=(text, names)).hits
 
     called = {
@@ -289,15 +289,15 @@ def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list
     return groups, [hit for section in PARTS for hit in hits(section, "part", *OTHER_NAMES)]
 
 
-def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:
+def families(shelf: Shelf) -> dict[str, dict[str, list[PartRow]]]:
     """The parts of each family, by section and name."""
-    groups: dict[str, dict[str, list[Hit]]] = {section: {} for section in PARTS}
+    groups: dict[str, dict[str, list[PartRow]]] = {section: {} for section in PARTS}
     for hit in all_parts(shelf):
         groups[hit.section].setdefault(hit["family"], []).append(hit)
     return groups
 
 
-def partners(hit: Hit) -> dict[str, dict[str, int]]:
+def partners(hit: PartRow) -> dict[str, dict[str, int]]:
     """Number of parts of each family that go with a part, by the sections that its catalogue pairs it with."""
     counts: dict[str, dict[str, int]] = {}
     for relation, right in RELATIONS.items():
@@ -311,7 +311,7 @@ def partners(hit: Hit) -> dict[str, dict[str, int]]:
     return counts
 
 
-def origins(hit: Hit) -> dict[str, Source]:
+def origins(hit: PartRow) -> dict[str, Source]:
     """Source of each known figure of a part: that of its table, or of a note on it."""
     base = hit.catalog.sources[hit.table.source[hit.row]]
     confidence = hit.catalog.confidence(hit.section, hit.row)
@@ -328,7 +328,7 @@ def origins(hit: Hit) -> dict[str, Source]:
 _TOLERANCED = {"motors": ("motor",), "gearheads": ("gearhead",), "actuators": ("motor", "gearhead")}
 
 
-def tolerances(hit: Hit) -> list[MakerTolerance]:
+def tolerances(hit: PartRow) -> list[MakerTolerance]:
     """Tolerances that the maker states for a part's figures; for an actuator those of its motor and its gear."""
     stated, owner = hit.catalog.tolerances, (hit["manufacturer"], hit["family"])
     return [
@@ -349,7 +349,7 @@ class Row(NamedTuple):
     differs: bool | None  # None: those that are known are the same, and some are not known
 
 
-def side_by_side(hits: Sequence[Hit]) -> list[Row]:
+def side_by_side(hits: Sequence[PartRow]) -> list[Row]:
     """The columns in which at least one part has something."""
     sections = list(dict.fromkeys(hit.section for hit in hits))
     if len(sections) > 1:
@@ -479,7 +479,7 @@ def digits(value: float, column: Column) -> str:
     return repr(figure)
 
 
-def as_csv(section: str, hits: Sequence[Hit]) -> bytes:
+def as_csv(section: str, hits: Sequence[PartRow]) -> bytes:
     """Parts of one section as CSV: a header, a row of units, then a part with its source in each row."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
@@ -506,7 +506,7 @@ def as_finding(finding: Finding) -> dict[str, Any]:
     return values | {"unexplained": finding.unexplained}
 
 
-def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: bool = False) -> dict[str, Any]:
+def as_document(shelf: Mapping[str, Catalog], hits: Sequence[PartRow], *, sources: bool = False) -> dict[str, Any]:
     """Parts as one JSON document with their catalogues and units, figures in SI, null where one is unknown."""
     parts = []
     for hit in hits:

@@ -21,7 +21,7 @@ from drivesizer.catalog.tolerances import MakerTolerance, join_maker_tolerances
 from drivesizer.errors import CatalogError, nearest, quoted, reason_of
 from drivesizer.files.cache import CacheWarning, cached_bytes, keep
 
-_KEPT = 256  # results of a catalogue for specs of late
+_MOST_RESULTS = 256  # results of a catalogue for specs of late
 _BETWEEN = str.maketrans("", "", " \t-_")
 OTHER_NAMES = ("order_number", "also_called")  # columns of some sections, beside the part number
 _RECORDS = 256  # parts of late, by row
@@ -319,7 +319,7 @@ class Catalog:
         """
         key = (key, *map(id, of))  # what is kept holds the objects, so that no other one gets their places
         if key not in self._kept:
-            if len(self._kept) == _KEPT:  # of a study that varies the supply
+            if len(self._kept) == _MOST_RESULTS:  # of a study that varies the supply
                 self._kept.clear()
             self._kept[key] = make(), of
         return self._kept[key][0]

@@ -26,7 +26,7 @@ from drivesizer.study.rows import forget_files, spec_figures
 from drivesizer.study.workers import Progress, cores, workers
 from drivesizer.units import KINDS, show
 
-_SHOWN = ("mass", "price", "energy", "time", "autonomy", "range")
+_FIGURES = ("mass", "price", "energy", "time", "autonomy", "range")
 _FRONT = 12  # machines of the front that are listed
 
 
@@ -135,7 +135,7 @@ def _drive(answer: Answer, choice: Choice) -> Iterator[tuple[str, str]]:
         yield name or "drive", f"{number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
     of_spec = spec_figures(task.job, Variant(0, 0, answer.best.values, 0, 0, []))
     figure = row_figures(heads, choice.row, of_spec)
-    figures = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
+    figures = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _FIGURES if NAMED[name].column in row]
     lacks = {name: row.get(f"{name}_lacks") for name in ("mass", "price")}
 
     def least(names: Iterable[str]) -> str:

@@ -30,7 +30,7 @@ from drivesizer.output.words import number_of
 if TYPE_CHECKING:
     from drivesizer.catalog import Catalog
     from drivesizer.catalog.importing import Imported, Plan
-    from drivesizer.catalog.query import Hit, Selection
+    from drivesizer.catalog.query import PartRow, Selection
 
 
 # -- Export of parts to CSV or JSON, and import of another program's table as a catalogue file.
@@ -59,7 +59,7 @@ def known_section(section: str) -> str:
     return section
 
 
-def write_csv(path: Path, hits: list[Hit]) -> None:
+def write_csv(path: Path, hits: list[PartRow]) -> None:
     """Write the parts of one section to a CSV file; nothing without parts."""
     from drivesizer.catalog.query import as_csv
     from drivesizer.files.writing import write_files

@@ -98,7 +98,7 @@ Fields = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="FIELD=VALUE", help="Another value of a field, e.g. load.mass=400kg; repeatable."),
 ]
-Chosen = Annotated[
+DriveOption = Annotated[
     list[str] | None,
     typer.Option(
         "--set", metavar="MOTOR/GEARHEAD",

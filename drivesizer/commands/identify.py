@@ -10,13 +10,22 @@ import typer
 
 from drivesizer.commands import common
 from drivesizer.commands.catalog import Names
-from drivesizer.commands.common import Chosen, Json, More, OfAxis, Profile, file_argument, file_option, number_option
+from drivesizer.commands.common import (
+    DriveOption,
+    Json,
+    More,
+    OfAxis,
+    Profile,
+    file_argument,
+    file_option,
+    number_option,
+)
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from drivesizer.catalog.query import Hit
+    from drivesizer.catalog.query import PartRow
     from drivesizer.identification.identify import Reference
     from drivesizer.results.identification import Comparison, Identification
 
@@ -90,8 +99,8 @@ def predict(
     common.print_written(write_files(files))
 
 
-_ONE = "a log is that of one drive"
-_DRAWN = (".svg", ".pdf", ".png")
+_ONE_DRIVE = "a log is that of one drive"
+_PICTURES = (".svg", ".pdf", ".png")
 _SPECS = (".yaml", ".yml")
 
 LogFile = Annotated[
@@ -112,7 +121,7 @@ def identify(
     log: LogFile,
     motor: Annotated[str | None, typer.Option(metavar="PART", help="The motor, by its number in a catalogue.")] = None,
     spec: OfSpec = None,
-    chosen: Chosen = None,
+    chosen: DriveOption = None,
     inertia: Annotated[str | None, typer.Option(help="Known, of what is mounted at the output.")] = None,
     ratio: Annotated[float, common.number_option("--ratio", 9.0, meaning="Of gears before a logged torque.")] = 1.0,
     column: Heads = None,
@@ -143,14 +152,14 @@ def identify(
         identification = identified(log, of, scales=_factors(scale), named=_heads(column))
     files = {path: part_file(identification, hit, path.name) for path in paths if path.suffix.lower() in _SPECS}
     files |= {
-        path: _drawn(path, identification.time, identification.traces)
+        path: _picture(path, identification.time, identification.traces)
         for path in paths
-        if path.suffix.lower() in _DRAWN
+        if path.suffix.lower() in _PICTURES
     }
     _answer(identification, files, report, json=json)
 
 
-def _drawn(path: Path, time: Any, traces: Any) -> bytes:
+def _picture(path: Path, time: Any, traces: Any) -> bytes:
     from drivesizer.output.report.figures.cycle import measured_and_model
     from drivesizer.output.report.figures.picture import on_paper
 
@@ -198,7 +207,7 @@ def _factors(words: list[str] | None) -> Mapping[str, float]:
 def _reference(
     motor: str | None, spec: Path | None, words: list[str] | None, axis: str | None, catalogs: list[str] | None,
     ratio: float,
-) -> tuple[Hit | None, Reference]:  # fmt: skip
+) -> tuple[PartRow | None, Reference]:  # fmt: skip
     """The drive as it is known: not at all, by a motor, or by a spec and its drive."""
     from drivesizer.identification.identify import Reference, of_drive, of_motor
 
@@ -211,7 +220,7 @@ def _reference(
         return hits[0], of_motor(hits[0], ratio)
     if spec is None:
         return None, Reference(ratio=ratio)
-    return None, of_drive(*common.one_drive(spec, words, catalogs, axis, _ONE))
+    return None, of_drive(*common.one_drive(spec, words, catalogs, axis, _ONE_DRIVE))
 
 
 # -- ``drivesizer compare``.
@@ -223,7 +232,7 @@ def compare(
         Path, file_option("--spec", metavar="ROBOT.YAML", help="The machine that was logged; robot.yaml by default.")
     ] = common.DEFAULT,
     profile: Profile = None,
-    chosen: Chosen = None,
+    chosen: DriveOption = None,
     column: Heads = None,
     scale: Scales = None,
     json: Json = False,
@@ -247,14 +256,14 @@ def compare(
     paths = _targets(output, "the corrected spec")
     common.accept_reports(report)
     logged = scaled(read_log(log, _heads(column)), _factors(scale))
-    own, drive = common.one_drive(spec, chosen, catalogs, axis, _ONE)
+    own, drive = common.one_drive(spec, chosen, catalogs, axis, _ONE_DRIVE)
     with common.simulating("simulating what was promised"):
         proof = validate(own, drive, profile=profile, load_case=hardest_case(own, drive))
     comparison = compared(logged, proof)
     files = {}
     for path in paths:
-        if path.suffix.lower() in _DRAWN:
-            files[path] = _drawn(path, comparison.time, comparison.traces)
+        if path.suffix.lower() in _PICTURES:
+            files[path] = _picture(path, comparison.time, comparison.traces)
         elif not comparison.explanations:
             raise InputError(f"{path}: no figure of the load explains a difference: the spec stays as it is")
         else:
@@ -268,8 +277,8 @@ def _targets(output: list[Path] | None, data: str) -> list[Path]:
     from drivesizer.files.writing import check_targets
 
     for path in output or []:
-        if path.suffix.lower() not in (*_DRAWN, *_SPECS):
-            expected = f"expected {', '.join(_DRAWN)}, or .yaml for {data}"
+        if path.suffix.lower() not in (*_PICTURES, *_SPECS):
+            expected = f"expected {', '.join(_PICTURES)}, or .yaml for {data}"
             raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
     check_targets(output or [])
     return output or []

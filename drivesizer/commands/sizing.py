@@ -8,7 +8,19 @@ from typing import Annotated
 import typer
 
 from drivesizer.commands import common
-from drivesizer.commands.common import DEFAULT, TOP, Chosen, Fields, Json, More, OfAxis, Profile, Spec, Top, file_option
+from drivesizer.commands.common import (
+    DEFAULT,
+    TOP,
+    DriveOption,
+    Fields,
+    Json,
+    More,
+    OfAxis,
+    Profile,
+    Spec,
+    Top,
+    file_option,
+)
 from drivesizer.commands.setup import start_by_questions
 from drivesizer.errors import InputError
 
@@ -208,7 +220,7 @@ def export(
     output: Annotated[Path, file_option("--output", "-o", help="The file to write.")],
     form: Annotated[str, typer.Option("--format", metavar="NAME", help="mjcf, urdf, sdf, ros2_control, fmu or json.")],
     spec: Spec = DEFAULT,
-    chosen: Chosen = None,
+    chosen: DriveOption = None,
     axis: OfAxis = None,
     wheel: Annotated[
         int | None,

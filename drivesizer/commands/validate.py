@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drivesizer.commands import common
-from drivesizer.commands.common import DEFAULT, Chosen, Json, More, OfAxis, Profile, Spec, file_argument, file_option
+from drivesizer.commands.common import (
+    DEFAULT,
+    DriveOption,
+    Json,
+    More,
+    OfAxis,
+    Profile,
+    Spec,
+    file_argument,
+    file_option,
+)
 from drivesizer.errors import InputError, NoLoopError, quoted
 
 if TYPE_CHECKING:
@@ -40,7 +50,7 @@ def commission(
     output: Annotated[Path | None, file_option("--output", "-o", help="The file to write.")] = None,
     unconfirmed: Unconfirmed = False,
     settings: Settings = None,
-    chosen: Chosen = None,
+    chosen: DriveOption = None,
     axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
@@ -159,7 +169,7 @@ def _remarks(device: Device, result: Commissioned, board: dict[str, float]) -> l
 def validate(
     spec: Spec = DEFAULT,
     profile: Profile = None,
-    chosen: Chosen = None,
+    chosen: DriveOption = None,
     json: Json = False,
     csv: Annotated[Path | None, file_option(help="Also write the time series to this CSV file.")] = None,
     drawings: Annotated[
@@ -276,7 +286,7 @@ def drive(
     trajectory: Annotated[
         Path | None, file_argument(metavar="TRAJECTORY.CSV", help="t, x, y, heading; or waypoints; else the spec's.")
     ] = None,
-    chosen: Chosen = None,
+    chosen: DriveOption = None,
     json: Json = False,
     follow: Annotated[
         bool, typer.Option("--follow", help="Also simulate path following: both robot models, slip, poses fed back.")

@@ -29,7 +29,7 @@ from drivesizer.units import show
 
 RULE = "SIMC PI"
 SOURCE = "S. Skogestad, J. Process Control 13 (2003) 291-309"
-GIVEN = "given in the spec"
+FROM_SPEC = "given in the spec"
 COMPUTING = 1.0  # control periods between a measurement and the voltage that answers it
 _HOLDING = 0.5  # control periods by which a held voltage is late on average
 _FILTER = 10.0  # derivative time over its filter's, 8 to 20 by [2], and by [5] of the cascade
@@ -71,8 +71,8 @@ def design(
                 raise InputError(f"{where}: {gain:g} is no gain of a real controller; expected at most {most}")
         filter_time = max(period, c.kd / c.kp / _FILTER) if c.kp and c.kd else period if c.kd else 0.0
         over = max(counts.periods, 1) if counts else 0
-        return Gains(kp=c.kp, ki=c.ki, kd=c.kd, filter_time=filter_time, period=period, counted_over=over, rule=GIVEN,
-                     source="", **_ahead(c, train))  # fmt: skip
+        return Gains(kp=c.kp, ki=c.ki, kd=c.kd, filter_time=filter_time, period=period, counted_over=over,
+                     rule=FROM_SPEC, source="", **_ahead(c, train))  # fmt: skip
     all_modes, (periods, late) = modes(train), lags(counts, period)
     tau_1, theta = effective_delay(train, all_modes[Regime.FORWARD_DRIVING], period)
     lightest, _ = effective_delay(train, all_modes[Regime.FORWARD_BRAKING], period)

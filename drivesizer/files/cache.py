@@ -36,7 +36,7 @@ def digest_of(*parts: bytes) -> str:
     return mixed.hexdigest()
 
 
-def kept(name: str, make: Callable[[], bytes]) -> bytes:
+def cached(name: str, make: Callable[[], bytes]) -> bytes:
     """Bytes out of the cache folder, by a name with their digest; made where it has none, and kept if it can be."""
     path = folder() / name
     content = cached_bytes(path)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.catalog_file import parse
 from drivesizer.catalog.importing import file_text
 from drivesizer.catalog.parts import NAMES, Column, printed
-from drivesizer.catalog.query import Hit, digits, is_known, partners
+from drivesizer.catalog.query import PartRow, digits, is_known, partners
 from drivesizer.control.drive_train import drive_train, mechanics
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import read_bytes
@@ -379,7 +379,7 @@ def _remarks(record: Record, fit: Fit, known: Mapping[str, float], of: Reference
 _PERIOD = 1e-3  # s, of the controller: of a train whose inductance is unknown
 
 
-def of_motor(motor: Hit, ratio: float = 1.0) -> Reference:
+def of_motor(motor: PartRow, ratio: float = 1.0) -> Reference:
     """A motor by its data sheet."""
     columns: Figures = {name: motor.table[name][motor.row : motor.row + 1] for name in motor.table.columns}
     return Reference(label=motor.part, ratio=ratio, figures={
@@ -486,7 +486,7 @@ _DROPPED = {  # of the data sheet: names, and what would contradict
 _NEEDED = ("R", "k_t", "rotor_inertia")
 
 
-def part_file(identification: Identification, motor: Hit | None, name: str) -> bytes:
+def part_file(identification: Identification, motor: PartRow | None, name: str) -> bytes:
     """The text of a catalogue with the identified motor."""
     if motor is not None and motor.section != "motors":
         raise InputError(
@@ -521,7 +521,7 @@ def _rounded(value: float, column: Column) -> str:
 
 
 def _text(
-    identification: Identification, motor: Hit | None, row: dict[str, str], measured: list[str], name: str
+    identification: Identification, motor: PartRow | None, row: dict[str, str], measured: list[str], name: str
 ) -> str:
     columns, source = printed("motors"), quoted(f"identified from {identification.log}")
     family = quoted(f"{motor['family'] or motor.part} measured" if motor else row["part"])

@@ -246,7 +246,7 @@ class Segment(NamedTuple):
     w_1: float
 
 
-class Held(NamedTuple):
+class WindingRise(NamedTuple):
     """A winding whose course is not computed."""
 
     rise: float  # K
@@ -417,7 +417,7 @@ def over_cycle(
     c: Course,
     count: int,
     cycle: int,
-    held: Held,
+    held: WindingRise,
     start: tuple[float, float],
     level: int,
     cuts: int,
@@ -534,11 +534,11 @@ def count_pieces(d: Drive, c: Course, count: int) -> int:
 
 def one_drive(d: Drive, c: Course, count: int, cycle: int, level: int, cuts: int, rows: Array) -> Figures:
     """A drive over a cycle; one whose winding runs away is held at its permitted rise."""
-    held, unknown = Held(d.held, d.held_mean, math.nan), (math.nan, math.nan)
+    held, unknown = WindingRise(d.held, d.held_mean, math.nan), (math.nan, math.nan)
     start = (d.winding_start, d.housing_start) if d.course > 0.0 else unknown
     if d.course > 0.0 and math.isnan(d.winding_start):
         start = periodic_start(d, c, count, cycle)
-    away = Held(d.permitted, d.permitted, math.inf)
+    away = WindingRise(d.permitted, d.permitted, math.inf)
     if math.isinf(start[0] + start[1]):
         held, start = away, unknown
     while True:

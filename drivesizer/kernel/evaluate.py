@@ -125,7 +125,7 @@ def drives_of(
     return drive._replace(course=np.broadcast_to(known, shape).astype(float))
 
 
-def held(drives: Drive, rise: Alike, mean: Alike) -> Drive:
+def at_rise(drives: Drive, rise: Alike, mean: Alike) -> Drive:
     """Drives with windings at given rises."""
     return drives._replace(course=np.zeros_like(drives.course), held=rise, held_mean=mean)
 

@@ -11,7 +11,7 @@ from drivesizer.catalog import DIRECT, PARTS, Catalog, catalog_of_text, load, sh
 from drivesizer.catalog.importing import Plan, import_table
 from drivesizer.catalog.laws import check as findings
 from drivesizer.catalog.parts import printed
-from drivesizer.catalog.query import OPTIONS, Condition, Hit, option, origins, select, side_by_side, where
+from drivesizer.catalog.query import OPTIONS, Condition, PartRow, option, origins, select, side_by_side, where
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.sheets import tables_of
 from drivesizer.files.yaml_source import YamlSource
@@ -85,13 +85,13 @@ def shelf(memory: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
     return {name: memory.shelf.get(name) or others[name] for name in names}
 
 
-def hit_of(memory: EngineMemory, name: str, section: str, part: str) -> Hit:
+def part_row(memory: EngineMemory, name: str, section: str, part: str) -> PartRow:
     """A part by its catalogue, section and number."""
     catalog = shelf(memory, [name])[name]
     rows = catalog.table(section).rows if section in PARTS else {}
     if part not in rows or part == DIRECT:
         raise InputError(f"{quoted(part)} is no longer in {quoted(name)}; list the parts again")
-    return Hit(name, catalog, section, rows[part])
+    return PartRow(name, catalog, section, rows[part])
 
 
 # -- lists of parts
@@ -191,7 +191,7 @@ def part(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     from drivesizer.output.report.figures.parts import part_plots
     from drivesizer.output.report.html.plots import movable
 
-    hit = hit_of(memory, request["catalogue"], request["section"], request["part"])
+    hit = part_row(memory, request["catalogue"], request["section"], request["part"])
     place, families = PLACES.get(hit.section, ((), False))  # where a spec names it, its family too, an axis its own
     figures = {f"part-{name}": movable(plot) for name, plot in part_plots(hit).items()}
     known = {source.document: source for source in origins(hit).values()}
@@ -217,7 +217,7 @@ def html(blocks: Iterable[Any], figures: Piece | None = None) -> str:
 
 def beside(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``, as HTML."""
-    hits = [hit_of(memory, name, request["section"], number) for name, number in request["parts"]]
+    hits = [part_row(memory, name, request["section"], number) for name, number in request["parts"]]
     yield {"kind": "beside", "html": html(sheets.comparison(hits, side_by_side(hits), len(hits)))}
 
 
@@ -254,14 +254,14 @@ def choose(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
             selection = [ALL, *(name for name in selection if name != ALL and name not in shipped())]
         edits.append([[*place, "select", "catalogs"], selection, True])
     else:
-        hit = hit_of(memory, *request["part"])
+        hit = part_row(memory, *request["part"])
         edits += _part_edits(data, above, hit, "family" if request["family"] else "part")
         if hit.catalogue not in listed_names(names):
             edits.append([[*place, "select", "catalogs"], [*names, hit.catalogue], True])
     yield {"kind": "edits", "edits": edits}
 
 
-def _part_edits(data: Any, above: tuple[str, ...], hit: Hit, by: str) -> Iterator[_Edit]:
+def _part_edits(data: Any, above: tuple[str, ...], hit: PartRow, by: str) -> Iterator[_Edit]:
     """Edits that name a part or its family, and nothing else of its kind."""
     place, families = PLACES.get(hit.section, ((), False))
     if not place or (by == "family" and not families):

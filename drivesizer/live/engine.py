@@ -28,7 +28,7 @@ from drivesizer.files.yaml_source import YamlSource, texts_in
 Piece = dict[str, Any]
 _LOOK = 0.01  # s between looks at newer requests
 _SLOW, _AGAIN = 1.0, 0.3  # s after which progress is said, and said again
-_KEPT = 4  # sizings: that of the page, and those of which someone wants a file or a comparison
+_MOST_SIZINGS = 4  # sizings: that of the page, and those of which someone wants a file or a comparison
 
 
 class StoppedError(Exception):
@@ -68,7 +68,7 @@ class EngineMemory:
             before = states()
             sizing = make()
             files = states() | before  # of one that changes meanwhile the earlier state
-            while len(self.sized) >= _KEPT:
+            while len(self.sized) >= _MOST_SIZINGS:
                 self.sized.popitem(last=False)
         self.sized[key] = sizing, files
         self.sized.move_to_end(key)

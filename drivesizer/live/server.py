@@ -18,7 +18,7 @@ from types import FrameType
 from typing import Any
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.files.cache import digest_of, kept
+from drivesizer.files.cache import cached, digest_of
 from drivesizer.files.text import decoded
 from drivesizer.files.writing import write_files
 from drivesizer.files.yaml_source import YamlSource
@@ -156,7 +156,7 @@ def form_schema() -> str:
                  "symbols": {kind: symbols(kind) for kind in SKETCHES}}  # fmt: skip
         return json.dumps(schemas, ensure_ascii=False).encode()
 
-    return kept(f"schema-{digest_of(__version__.encode(), *map(str.encode, dates))}.json", page_data).decode()
+    return cached(f"schema-{digest_of(__version__.encode(), *map(str.encode, dates))}.json", page_data).decode()
 
 
 # -- The file of the page: read, and written where the user saves it, unless another program has changed it.

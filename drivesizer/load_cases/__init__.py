@@ -143,7 +143,7 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     InputError
         When it is none of them, or the file is wrong.
     """
-    names = [kind.replace("_", "-") for kind in motions.MADE]
+    names = [kind.replace("_", "-") for kind in motions.PROFILES]
     own = (spec.motion.profile if spec.motion else spec.load.kind).replace("_", "-")
     if name_or_file.lower().endswith(".csv"):
         return motions.from_csv(name_or_file, motions.SPEED[spec.load.axis][0])

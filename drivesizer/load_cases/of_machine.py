@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _OFF = 0.01  # by which a share of the time may be off, of itself
 _MOST = 20_000  # segments
-_TRIED = 200
+_MOST_REPEATS = 200
 
 
 def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
@@ -76,7 +76,7 @@ def counts(shares: Sequence[float], times: Sequence[float]) -> list[int]:
     """
     least = max(time / share for share, time in zip(shares, times, strict=True))
     candidates: list[tuple[float, list[int]]] = []
-    for n in range(1, _TRIED):
+    for n in range(1, _MOST_REPEATS):
         numbers = [max(1, round(n * least * share / time)) for share, time in zip(shares, times, strict=True)]
         whole = sum(k * time for k, time in zip(numbers, times, strict=True))
         off = max(abs(k * t / whole / share - 1.0) for k, t, share in zip(numbers, times, shares, strict=True))

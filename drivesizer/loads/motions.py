@@ -533,7 +533,7 @@ class Waypoints(fields.Section):
     waypoints: Annotated[list[Waypoint], Field(min_length=2, max_length=10_000)]
 
 
-MADE: dict[str, Callable[[Any], Profile]] = {
+PROFILES: dict[str, Callable[[Any], Profile]] = {
     "trapezoid": trapezoid,
     "triangle": move,
     "move": move,
@@ -546,7 +546,7 @@ MADE: dict[str, Callable[[Any], Profile]] = {
 
 def over_time(motion: Any) -> Profile:
     """The profile of a motion that is no file's, with the payload of each of its pieces."""
-    return carrying(MADE[motion.profile](motion), motion)
+    return carrying(PROFILES[motion.profile](motion), motion)
 
 
 def carrying(profile: Profile, motion: Any) -> Profile:

@@ -36,7 +36,7 @@ from drivesizer.units import show
 if TYPE_CHECKING:
     from drivesizer.spec.sections import Battery, Leg
 
-_ONE = (  # figures of one cell or block that spec and catalogue share
+_CELL_FIGURES = (  # figures of one cell or block that spec and catalogue share
     "nominal_voltage", "charge_voltage", "cutoff_voltage", "capacity", "rated_time", "peukert_exponent", "resistance",
     "continuous_current", "peak_current", "max_charge_current", "mass",
 )  # fmt: skip
@@ -166,7 +166,10 @@ def row_of(catalog: Catalog, section: str, part: str, field: tuple[str, ...]) ->
 def _pack(section: Battery, catalog: Catalog) -> Pack:
     row = None if section.part is None else row_of(catalog, "batteries", section.part, ("battery", "part"))
     record = parts.Battery() if row is None else catalog.batteries.record(row)
-    cell = {name: getattr(record, name) if getattr(section, name) is None else getattr(section, name) for name in _ONE}
+    cell = {
+        name: getattr(record, name) if getattr(section, name) is None else getattr(section, name)
+        for name in _CELL_FIGURES
+    }
     s, p, rest, more = section.series, section.parallel, section.open_circuit, section.polarisation
     at_rest = (rest.full, rest.empty) if rest else (cell["nominal_voltage"],) * 2
     cells = [*(cell[name] for name in ("nominal_voltage", "charge_voltage", "cutoff_voltage")), *at_rest]

@@ -503,8 +503,8 @@ def unknown_at_rest(cases: Sequence[LoadCase]) -> str:
 # machines, and those whose periods have no multiple in common.
 
 
-_SHOWN = 20  # of the longest period, where there is no common one
-_MOST_SHOWN = 1_000_000  # pieces
+_LONGEST_PERIODS = 20  # of the longest period, where there is no common one
+_MOST_PIECES = 1_000_000  # pieces
 
 
 class AxisPower(NamedTuple):
@@ -585,7 +585,7 @@ def common_bus(
         powers[k] = from_start(powers[k], axes[k].start)
     groups = ([side_by_side] if side_by_side else []) + [[k] for k, rests in enumerate(waits) if not rests]
     apart = tuple(exchanged([powers[k] for k in group], feed) for group in groups)
-    window = _shown(powers) if isnan(window) else window
+    window = _shown_time(powers) if isnan(window) else window
     phases = {k: worst_start(fitted(whole, window)) for group, whole in zip(groups, apart, strict=True) for k in group}
     in_phase = [from_start(fitted(power, window), phases[k]) for k, power in enumerate(powers)]
     aligned = [from_start(fitted(p, window), phases[group[0]]) for group, p in zip(groups, apart, strict=True)]
@@ -595,18 +595,18 @@ def common_bus(
     return CommonBus(shared, feed, named(in_phase), total, at_any, apart, cycle, starts, synchronised, exceeded)
 
 
-def _shown(powers: Sequence[DrivePower]) -> float:
+def _shown_time(powers: Sequence[DrivePower]) -> float:
     """Time over which courses without a common period are shown [s]: some of the longest, as pieces allow."""
     longest = max(power.total for power in powers)
     pieces = sum(len(power.duration) * longest / power.total for power in powers)
-    if pieces > _MOST_SHOWN:
+    if pieces > _MOST_PIECES:
         shortest = min(power.total for power in powers)
         raise FieldError(
             ("axes",),
             f"cycles of the axes last from {shortest:.4g} s to {longest:.4g} s, too far apart to be taken together; "
             "expected e.g. shorter motions of the slow axis",
         )
-    return longest * max(1, min(_SHOWN, int(MOST_PIECES / pieces)))
+    return longest * max(1, min(_LONGEST_PERIODS, int(MOST_PIECES / pieces)))
 
 
 def _axis_power(

@@ -43,7 +43,7 @@ from drivesizer.spec.robot import RobotSpec
 # not.
 
 
-_EVERY = 5  # deg, between directions; a divisor of 15
+_DIRECTION_STEP = 5  # deg, between directions; a divisor of 15
 _SLOW, _FAST = 1e-6, 1e3  # m/s, between which speeds are looked for
 _HALVINGS = 32  # to less than a thousandth of a millimetre per second
 _ROUNDING = 1e-9  # of what turns or slides
@@ -62,7 +62,7 @@ class PermittedSpeeds(NamedTuple):
 
     def at(self, degrees: int) -> dict[int, tuple[float, str]]:
         """Speed and limit in one of the directions, by the failed wheel."""
-        place = degrees // _EVERY
+        place = degrees // _DIRECTION_STEP
         return {failed: (float(speed[place]), self.limit[failed][place]) for failed, speed in self.speed.items()}
 
 
@@ -74,7 +74,7 @@ def permitted_speeds(spec: RobotSpec, drive: DriveSet) -> PermittedSpeeds | None
     """
     if drive.steps:
         return None
-    platform, direction = spec.platform, np.arange(0, 360, _EVERY)
+    platform, direction = spec.platform, np.arange(0, 360, _DIRECTION_STEP)
     assert platform is not None
     speed, limit, unknown = {}, {}, dict[str, None]()
     for failed in (0, *(place + 1 for place in dynamics_of(spec).kinematics.driven)):

@@ -122,7 +122,7 @@ def torque_above(cycle: AtGearhead, limit: float) -> tuple[float, float]:
 
 
 _NEAR = 0.01  # of the rise from cold: no visible change any more
-_SHOWN = 60  # cycles of which temperatures are reported
+_REPORTED_CYCLES = 60  # cycles of which temperatures are reported
 _MOST_CYCLES = 1e7  # cycles: longer nobody waits
 _STEP = 0.25  # of the winding's time constant, the first point of a piece
 _POINTS = 24  # of a piece, each farther from the next than from the one before
@@ -159,7 +159,7 @@ def warm_up(set_cycle: SetCycle) -> WarmUp | None:
     left = float(np.abs(np.linalg.eigvals(one_more)).max())  # of a difference after one cycle
     last = math.log(_NEAR) / math.log(left) if left > 0.0 else 0.0
     count = int(min(max(math.ceil(last), 3), _MOST_CYCLES))
-    numbers = sorted({round(n) for n in np.linspace(0, count - 1, min(count, _SHOWN))})
+    numbers = sorted({round(n) for n in np.linspace(0, count - 1, min(count, _REPORTED_CYCLES))})
     way = from_rises([settled - np.linalg.matrix_power(one_more, n) @ settled for n in numbers])
     time, winding, housing = _course(set_cycle)
     return WarmUp(

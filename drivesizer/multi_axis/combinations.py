@@ -42,7 +42,7 @@ Kind = tuple[str, str]  # motor and gearhead
 Permitted = Mapping[str, Kind]  # kinds by the axis' name; axes that are not in it are free
 Array = NDArray[np.float64]
 _ROUNDING = 1e-9
-_TRIED = 12  # common kinds that are tried for one kind less
+_MOST_MERGERS = 12  # common kinds that are tried for one kind less
 _OF_A_PAIR = 4  # of them for the same axes
 _FIRST = 200  # kinds of an axis that shares none, among which it chooses where other masses are on it
 _FREE = 4  # of them that enter the choice for the whole
@@ -197,7 +197,7 @@ def fewer_kinds(
                     pair_mergers.append(_Merger(group, other, kind, (after[0] - before[0], after[1] - before[1])))
             mergers += sorted(pair_mergers, key=lambda merger: merger.added)[:_OF_A_PAIR]
         likely = [merger for merger in mergers if within(_total((best.cost, merger.added)), limit)]
-        for merger in sorted(likely, key=lambda merger: merger.added)[:_TRIED]:
+        for merger in sorted(likely, key=lambda merger: merger.added)[:_MOST_MERGERS]:
             shared = common | dict.fromkeys((*merger.first, *merger.second), merger.kind)
             result = search(shared)
             if not result.missing and within(result.cost, limit):

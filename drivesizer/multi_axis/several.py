@@ -339,7 +339,7 @@ def _cost(drive: DriveSet, objective: Ranking, motors: int, *, best: bool) -> Co
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
 _ROUNDS = 5  # with drives that are heavier than the links that are said to hold them
-_TRIED = 60  # combinations that are tried where the best of all axes break a limit
+_MOST_COMBINATIONS = 60  # combinations that are tried where the best of all axes break a limit
 
 
 def sized(machine: MachineSpec, how: Options) -> MachineSizing:
@@ -485,7 +485,7 @@ def _within_limits(sizings: AxisSizings, combination: Combination, best: Machine
         return best
     offers = {axis: sizings.offers(axis, sizings.masses(axis, choices), choices[axis]) for axis in choices}
     count, before = 0, [axis.best.status for axis in best.axes if axis.best]
-    for count, others in enumerate(combinations.cheapest_first(offers, _TRIED), 1):
+    for count, others in enumerate(combinations.cheapest_first(offers, _MOST_COMBINATIONS), 1):
         try:
             result = _machine_with_drives(sizings, combination._replace(chosen=others))
         except LookupError:  # a drive does not carry what rides on it then

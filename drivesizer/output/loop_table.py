@@ -43,7 +43,7 @@ def cell(figure: Figure) -> str:
 
 
 NO_LINEAR = "python-control is not beside it: a stepper follows its pulses in open loop, and nothing is fed back."
-BESIDE = "PID and DC motor by python-control, beside the engine"
+LINEAR_LOOP = "PID and DC motor by python-control, beside the engine"
 
 
 def left_out(run: LinearRun) -> str:

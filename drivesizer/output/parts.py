@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.catalog import Belt, BrakeResistor, Catalog, Note, Pulley, Source, columns_of
 from drivesizer.catalog.prices import price_of
-from drivesizer.catalog.query import Hit, origins
+from drivesizer.catalog.query import PartRow, origins
 from drivesizer.files.text import listed
 from drivesizer.machine.budgets import drive_rows
 from drivesizer.output.words import LESS, confidences, figure, not_quoted
@@ -52,7 +52,7 @@ def _pulley(part: Pulley) -> str:
 
 _MOTOR = _figures_of("assigned_power", "nominal_voltage")
 _STEPPER = _figures_of("holding_torque", "nominal_current")
-SAID: dict[str, Callable[[Any], str]] = {
+DESCRIPTIONS: dict[str, Callable[[Any], str]] = {
     "motor": lambda part: (_STEPPER if part.kind == "stepper" else _MOTOR)(part),
     "gearhead": lambda part: f"{part.reduction}, exactly {part.ratio:.5g}".removeprefix(", "),
     "driving pulley": _pulley,
@@ -122,7 +122,7 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
     if part is None:
         return PartLine(role=role, quantity=quantity, **mass)
     section = section_of(part)
-    known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
+    known = origins(PartRow("", catalog, section, catalog.table(section).rows[part.part]))
     notes, source = _remarks(catalog, part), known["part"]
     ordered = {"order_number": _number(catalog, part)} | price_for(part, quantity, catalog)
     remarks = []
@@ -133,7 +133,7 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
         remarks.append(f"price: {price.note}")
     return PartLine(
         role=role, maker=part.manufacturer, family=part.family, part=part.part,
-        said=SAID[role](part), quantity=quantity, **mass, **ordered,
+        said=DESCRIPTIONS[role](part), quantity=quantity, **mass, **ordered,
         ordered_with="motor" if role == "brake" and not part.mounting and part.manufacturer else "",
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
         note="; ".join(dict.fromkeys(filter(None, remarks))),
@@ -148,7 +148,7 @@ def price_for(part: Any, quantity: int, catalog: Catalog) -> dict[str, Any]:
         return {}
     if price.column:
         of = catalog.unpriced if catalog.unpriced and part.part in catalog.unpriced.table(section).rows else catalog
-        known = origins(Hit("", of, section, of.table(section).rows[part.part]))
+        known = origins(PartRow("", of, section, of.table(section).rows[part.part]))
         source = known.get(price.column, Source("", ""))
         price = price._replace(date=source.date, document=source.document, confidence=source.confidence)
     order = {"order_number": price.order_number} if price.order_number else {}
@@ -282,7 +282,7 @@ def _supply_lines(
         catalog = next((catalog for catalog in catalogs if resistor.part in catalog.brake_resistors.rows), catalogs[0])
         yield line_of("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
     elif resistor is not None:
-        yield PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
+        yield PartLine(role="brake resistor", said=DESCRIPTIONS["brake resistor"](resistor), quantity=1)
 
 
 def _gear_line(gear: GearStage, drives: int) -> PartLine:
@@ -335,7 +335,7 @@ def machine_parts_of_axes(sizing: MachineSizing) -> list[SharedLine]:
 
 def _place(role: str) -> int:
     """Place of a role in the list; a gear of fixed ratio, which is named by its kind, stands with the gearheads."""
-    return list(SAID).index(role if role in SAID else "gearhead")
+    return list(DESCRIPTIONS).index(role if role in DESCRIPTIONS else "gearhead")
 
 
 def parts_by_axis(sizing: MachineSizing) -> dict[str, list[PartLine]]:

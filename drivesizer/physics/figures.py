@@ -105,7 +105,7 @@ def on(record: Record, rows: Any) -> Record:
             if isinstance(x, np.ndarray):
                 known[id(x)] = x[rows] if isinstance(rows, slice) else x.take(rows, axis=0)
             else:
-                known[id(x)] = x.on(rows) if hasattr(x, "on") else _each(at_rows, x)
+                known[id(x)] = x.on(rows) if hasattr(x, "on") else _elementwise(at_rows, x)
         return known[id(x)]
 
     return at_rows(record)
@@ -133,7 +133,7 @@ def joined(several: Sequence[Record]) -> Record:
     if len(several) == 1:
         return several[0]
     whole: Any = (
-        np.concatenate(records) if isinstance(records[0], np.ndarray) else _each(lambda *x: joined(x), *records)
+        np.concatenate(records) if isinstance(records[0], np.ndarray) else _elementwise(lambda *x: joined(x), *records)
     )
     return whole
 
@@ -165,11 +165,11 @@ def put(record: Record, rows: Any, replacement: Record) -> Record:
     elif hasattr(x, "with_rows"):
         x = x.with_rows(rows, replacement)
     else:
-        x = _each(lambda a, b: put(a, rows, b), x, replacement)
+        x = _elementwise(lambda a, b: put(a, rows, b), x, replacement)
     return x
 
 
-def _each(make: Callable[..., Any], *records: Any) -> Any:
+def _elementwise(make: Callable[..., Any], *records: Any) -> Any:
     """Records of one type made part by part; None stays."""
     first = records[0]
     if first is None:

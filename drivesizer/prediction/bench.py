@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.query import Hit, find, open_catalogs
+from drivesizer.catalog.query import PartRow, find, open_catalogs
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import load_cases
@@ -150,7 +150,7 @@ _BARE = {  # what is no part number: pattern, what it is, and how it becomes a p
 }  # fmt: skip
 
 
-def _part(shelf: Mapping[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
+def _part(shelf: Mapping[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> PartRow:
     pattern, kind, row = _BARE.get(what, ("", "", ""))
     bare = pattern and re.fullmatch(pattern, part.strip().lower())  # many makers' part numbers are digits as well
     message = f"{quoted(part)} is {kind} and no part: give it in a catalogue file of your own, {row}"

@@ -24,7 +24,7 @@ _PLACES = 73  # along the path: each 5 deg of a whole turn
 _STEPS = 3000
 _LONG = 4.0  # times what the way takes at free speed, with the time constants of the start
 _SWINGS = 3.0  # periods of small swings within which the first one ends
-_SHOWN = 121  # moments of a course
+_MOMENTS = 121  # moments of a course
 _MOST_ARRIVE = 0.95  # of the samples, at its end
 
 
@@ -75,12 +75,12 @@ class Run(NamedTuple):
     def shown(self, of: Machine, ratio: Array, until: float) -> Run:
         """Some moments up to a time, with position and speed of the load."""
         last = int(np.searchsorted(self.time, min(until, self.time[-1])))
-        rows = np.unique(np.linspace(0, last, _SHOWN).astype(np.intp))
+        rows = np.unique(np.linspace(0, last, _MOMENTS).astype(np.intp))
         position, speed = of.radius * self.angle[rows], of.radius * self.speed[rows] / (ratio * of.belt)
         return Run(self.time[rows], position, speed, self.current[rows])
 
 
-def _moved(drive_set: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start: float, until: float) -> Run:
+def _run(drive_set: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start: float, until: float) -> Run:
     """From rest at an angle on; a voltage of NaN: the terminals are open."""
     winding, drive = drive_set.winding(ambient), drive_set.drive
     K, dt = drive.ratio * of.belt, until / _STEPS
@@ -128,10 +128,10 @@ def _first(time: Array, reached: Array) -> Array:
     return np.where(reached.any(axis=0), time[reached.argmax(axis=0)], np.inf)
 
 
-Moved = tuple[dict[str, Array], Run | None]  # figures of a movement by name, and its course
+Movement = tuple[dict[str, Array], Run | None]  # figures of a movement by name, and its course
 
 
-def started(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Moved:
+def started(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Movement:
     """Full voltage from rest where the motion starts: times to its end and to 63 % of the largest speed, that speed."""
     way, K = np.sign(of.end), drive_set.drive.ratio * of.belt
     free, winding = drive_set.running(0.0, ambient)[0], drive_set.winding(ambient)
@@ -140,7 +140,7 @@ def started(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     until = _LONG * float(np.median(np.abs(of.end) * K / free + constants))
     if not until > 0.0:
         return {}, None
-    run = _moved(drive_set, of, ambient, way * drive_set.voltage, 0.0, until)
+    run = _run(drive_set, of, ambient, way * drive_set.voltage, 0.0, until)
     there = way * (run.angle - of.end) >= 0.0
     arrives = _first(run.time, there)
     ends = np.minimum(arrives, _first(run.time, way * run.speed < 0.0))  # or it falls back
@@ -154,7 +154,7 @@ def started(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     return figures, run.shown(of, drive_set.drive.ratio, float(np.quantile(arrives, _MOST_ARRIVE, method="higher")))
 
 
-def swung(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Moved:
+def swung(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Movement:
     """Let go where weight turns it most, the terminals open: time of the first swing there and back, and its angle."""
     if np.isnan(of.steepest):
         return {}, None
@@ -169,7 +169,7 @@ def swung(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     )
     if not 0.0 < until < np.inf:
         return {}, None
-    run = _moved(drive_set, of, ambient, np.full(len(K), np.nan), of.steepest, until)
+    run = _run(drive_set, of, ambient, np.full(len(K), np.nan), of.steepest, until)
     side = np.sign(run.speed)
     first = np.sign(side[np.minimum((side != 0.0).argmax(axis=0), len(side) - 1), np.arange(len(K))])
     turned = (side * first < 0.0) & (first != 0.0)  # it has turned back

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.files.text import listed
 from drivesizer.kernel.warming import State
 from drivesizer.machine.part_curves import warm_housing
@@ -50,7 +50,7 @@ _KINDS, _PARTS = (
 _CONDITIONS = {"voltage": ("voltage", "--voltage"), "load": ("load", "--load"), "warm": ("warm", "--warm")}
 
 
-def completed(conditions: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions:
+def completed(conditions: Conditions, motor: PartRow, gearhead: PartRow | None) -> Conditions:
     """Conditions with those that are not given: the motor's nominal voltage, the set's continuous torque."""
     torque = motor["nominal_torque"]
     if gearhead is not None:
@@ -62,8 +62,8 @@ def completed(conditions: Conditions, motor: Hit, gearhead: Hit | None) -> Condi
 
 
 def predict(
-    motor: Hit, gearhead: Hit | None, controller: Hit | None, conditions: Conditions, machine: Machine | None = None, *,
-    warming: bool = True,
+    motor: PartRow, gearhead: PartRow | None, controller: PartRow | None, conditions: Conditions,
+    machine: Machine | None = None, *, warming: bool = True,
 ) -> Prediction:  # fmt: skip
     """Predict what is measured of a set at the bench, temperatures and times to the limit where these are wanted."""
     parts = sampled_parts(motor, gearhead, controller, _POWER)
@@ -299,7 +299,11 @@ def _assumptions(drive_set: SetAtVoltage, parts: SampledParts, conditions: Condi
 
 
 def _warnings(
-    motor: Hit, gearhead: Hit | None, controller: Hit | None, conditions: Conditions, columns: dict[str, Array]
+    motor: PartRow,
+    gearhead: PartRow | None,
+    controller: PartRow | None,
+    conditions: Conditions,
+    columns: dict[str, Array],
 ) -> Iterable[str]:
     """Warnings to the reader, as sentences."""
     if gearhead is not None and gearhead.catalogue == motor.catalogue:

@@ -22,7 +22,7 @@ from drivesizer.catalog.estimates import (
     law_text,
 )
 from drivesizer.catalog.parts import NO_GEARHEAD
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances import (
     Class,
@@ -82,7 +82,7 @@ class SampledParts(NamedTuple):
     classes: tuple[Class, ...]
 
 
-def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, power: int) -> SampledParts:
+def sampled_parts(motor: PartRow, gearhead: PartRow | None, controller: PartRow | None, power: int) -> SampledParts:
     """The parts of a set over 2 to the power samples, and their nominal figures before them."""
     role = "actuator" if motor.section == "actuators" else "motor"
     sold = {role: motor} | ({"gearhead": gearhead} if gearhead else {})
@@ -115,11 +115,11 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
         factors[tolerance.part][tolerance.figure] = tolerance.factor.at(shares[tolerance.part, tolerance.figure])
     names = {estimate.figure for _, estimate in estimated}
     figures = [
-        _shown(role, sold[role].section, estimate.figure, estimate[1:4], law_text(estimate.fit))
+        _estimate(role, sold[role].section, estimate.figure, estimate[1:4], law_text(estimate.fit))
         for role, estimate in estimated
     ]
     figures += [
-        _shown(role, sold[role].section, limit.figure, (limit.value,) * 3, f"{SAME_FAMILY}, {limit.members} alike")
+        _estimate(role, sold[role].section, limit.figure, (limit.value,) * 3, f"{SAME_FAMILY}, {limit.members} alike")
         for role, limit in limits
     ]
     stage = None
@@ -130,7 +130,7 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
             (low, high), law = _STAGE[name], "assumed: from an ideal power stage to one of 0.9 and 1 V"
             stage[name] = low + (high - low) * share
             middle, wide = (low + high) / 2.0, 0.45 * (high - low)
-            figures.append(_shown("controller", "controllers", name, (middle, middle - wide, middle + wide), law))
+            figures.append(_estimate("controller", "controllers", name, (middle, middle - wide, middle + wide), law))
         if "losses" in factors["controller"]:
             stage |= with_stage_losses(stage, factors["controller"]["losses"])
     bought = _varied(bought, motor_times(bought, factors["motor"]), names)
@@ -150,7 +150,7 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     if (idle := _idle(bought, gear, cube[:, -5], identified)) is not None:
         gear = {**gear, "no_load_torque": idle}
         ends = (float(x) for x in np.quantile(idle[1:], (0.5, 0.05, 0.95)))
-        figures.append(_shown("gearhead", "gearheads", "no_load_torque", tuple(ends), _IDLE_LAW))  # type: ignore[arg-type]
+        figures.append(_estimate("gearhead", "gearheads", "no_load_torque", tuple(ends), _IDLE_LAW))  # type: ignore[arg-type]
     return SampledParts(bought, gear, stage, cube[:, -3:], most, tuple(figures), tuple(tolerances))
 
 
@@ -177,13 +177,13 @@ def _varied(bought: Figures, changed: Mapping[str, Any], estimated: set[str]) ->
     return dict(bought) | {name: values for name, values in changed.items() if name not in estimated}
 
 
-def _shown(role: str, section: str, figure: str, band: tuple[float, float, float], law: str) -> EstimatedFigure:
+def _estimate(role: str, section: str, figure: str, band: tuple[float, float, float], law: str) -> EstimatedFigure:
     """An estimated or assumed figure as it is printed: value, low and high."""
     column = columns_of(section)[figure]
     return EstimatedFigure(role, figure, *band, column.kind, column.unit, law)
 
 
-def _within(estimate: Estimate, laws: set[Fit], hit: Hit, columns: Figures, share: Array) -> Array:
+def _within(estimate: Estimate, laws: set[Fit], hit: PartRow, columns: Figures, share: Array) -> Array:
     """Log-normal values of an estimated figure, by its law where terms of it were drawn before: errors go together.
 
     The laws are those of the part: another may be narrower where a term was drawn far from its middle.
@@ -201,7 +201,7 @@ def _within(estimate: Estimate, laws: set[Fit], hit: Hit, columns: Figures, shar
     return np.asarray(np.minimum(values, 1.0 if estimate.figure == "efficiency" else np.inf))
 
 
-def _repeated(hit: Hit, count: int) -> dict[str, NDArray[Any]]:
+def _repeated(hit: PartRow, count: int) -> dict[str, NDArray[Any]]:
     """Figures of a part, in as many rows."""
     return {name: np.full(count, hit.table[name][hit.row]) for name in hit.table.columns}
 
@@ -213,7 +213,7 @@ def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Ca
     return split_actuators(catalog.with_tables(tables, dict.fromkeys(RELATIONS, _NO_PAIRS)))
 
 
-def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[Class, ...]:
+def _classes(motor: PartRow, gearhead: PartRow | None, controller: PartRow | None) -> tuple[Class, ...]:
     """Tolerance classes of the figures of motor, gearhead and controller."""
     if motor.section == "actuators":
         catalog = _inside(motor.catalog, _repeated(motor, 1), motor.table.source[motor.row : motor.row + 1])

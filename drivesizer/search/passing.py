@@ -34,7 +34,7 @@ PASSES, OPEN, UNKNOWN = range(3)  # certainty
 _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
 _CHUNK = 1 << 20  # drives at a time
 _NEAREST = 32  # of the rejected, kept until all are known; as many of those with estimated figures
-_SOME = 1 << 12  # of the rejected, among which the farthest that may be kept is found
+_LATEST = 1 << 12  # of the rejected, among which the farthest that may be kept is found
 # segments of a cycle, and candidates times these, up to which all drives that bounds leave open are computed
 _LONG, _MANY = 1 << 14, 200_000_000
 _CELLS = 50_000_000  # drives times segments that are computed before none is said to pass but for what all lack
@@ -230,7 +230,7 @@ def _closest(bound: Array) -> Whole:
     """Rows that are as near to their limits as the nearest, as many as are kept and their equals."""
     if len(bound) <= _NEAREST:
         return np.arange(len(bound))
-    farthest = -np.partition(-bound[-_SOME:], _NEAREST - 1)[_NEAREST - 1]  # of all the last is no farther
+    farthest = -np.partition(-bound[-_LATEST:], _NEAREST - 1)[_NEAREST - 1]  # of all the last is no farther
     last = -np.partition(-bound[bound >= farthest], _NEAREST - 1)[_NEAREST - 1]
     few = np.flatnonzero(bound >= last - _ALIKE * abs(last))  # rounding makes equals of no others
     far = rounded(-bound[few])

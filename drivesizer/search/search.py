@@ -38,7 +38,7 @@ Evaluated = Callable[[Whole], Evaluation]  # some rows of the drives in full
 _QUICK = "mass"  # objective that needs no waveform
 _FIRST = 1 << 12  # drives that are judged in their machine at first
 _MOST = 1 << 16  # at a time
-_KEPT = 1 << 10  # drives in full that are not computed again
+_MEMO_SIZE = 1 << 10  # drives in full that are not computed again
 _FEW = 32  # drives of the largest possible margins, that mostly decide which of many equals have the largest
 _ALIKE = 32  # drives of a family that rank alike, of which margins are computed
 
@@ -242,7 +242,7 @@ class InFull:
             if len(numbers) <= len(places) and all(row in places for row in numbers):
                 return evaluation.on(np.array([places[row] for row in numbers], np.int64))
         evaluation = by_physics(self.problem, self.sets.on(rows))
-        if len(numbers) <= _KEPT:
+        if len(numbers) <= _MEMO_SIZE:
             self.known.append(({row: n for n, row in enumerate(numbers)}, evaluation))
         return evaluation
 

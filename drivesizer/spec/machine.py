@@ -207,7 +207,7 @@ def carrying(load: Load, masses: Iterable[tuple[float, float | None]]) -> Load:
 
 WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
 _COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
-Both = tuple[dict[str, Any], dict[str, Any]]  # sections of an axis as written, and without tolerances
+AxisSections = tuple[dict[str, Any], dict[str, Any]]  # sections of an axis as written, and without tolerances
 _NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of exports too
 
 
@@ -377,7 +377,7 @@ def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisS
     return replace(axis, carries=tuple(Carried(other, None) for other in carried))
 
 
-def _axis(source: YamlSource, shared: dict[str, Any], name: str, given_as: Both, alone: bool) -> AxisSpec:
+def _axis(source: YamlSource, shared: dict[str, Any], name: str, given_as: AxisSections, alone: bool) -> AxisSpec:
     """An axis of the file."""
     at: Path_ = ("axes", name)
     own, nominal = given_as

@@ -332,7 +332,7 @@ _MOST_SHARED = 0.999  # of the time, that load cases may take of the machine as 
 def contradictions(spec: Any) -> Iterator[str]:
     """Faults of sections of a ``RobotSpec`` together, each with the name of the field."""
     for rules in (
-        _chained, _moved, _motor_kind_conflicts, _wheel_conflicts, _burning, _overhung, _lasting, _equipped,
+        _chained, _motion, _motor_kind_conflicts, _wheel_conflicts, _burning, _overhung, _lasting, _equipped,
         _alternating, _paid,
     ):  # fmt: skip
         yield from rules(spec)
@@ -372,7 +372,7 @@ def _chained(spec: Any) -> Iterator[str]:
         yield f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out"
 
 
-def _moved(spec: Any) -> Iterator[str]:
+def _motion(spec: Any) -> Iterator[str]:
     """A mounting where heat is computed, and a motion that the load takes."""
     if spec.mounting is not None and spec.steps:
         yield "mounting: the heat of steppers is not computed; leave it out"

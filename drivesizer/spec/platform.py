@@ -145,7 +145,7 @@ class CasterPlace(fields.Section):
 
 
 Off = Annotated[float, fields.Quantity("dimensionless", least=-0.9, most=9.0)]
-Each = Annotated[list[Off], Field(min_length=1, max_length=100)]
+OffPerWheel = Annotated[list[Off], Field(min_length=1, max_length=100)]
 
 
 class UnknownPayload(fields.Section):
@@ -160,7 +160,7 @@ class UnknownPayload(fields.Section):
 class Unknown(fields.Section):
     """Differences of the true platform from its robot model, for path following."""
 
-    radius: Off | Each = fields.default(0, "share by which wheels are larger, of all or of each")
+    radius: Off | OffPerWheel = fields.default(0, "share by which wheels are larger, of all or of each")
     lever: Off = fields.default(0, "share by which the wheels stand farther out")
     toe: fields.Bearing = fields.default("0 deg", "added to the heading of the wheels")
     mass: Off = fields.default(0, "share by which it is heavier")
@@ -168,7 +168,7 @@ class Unknown(fields.Section):
     payload: UnknownPayload | None = None
     rolling_resistance: Off = fields.default(0, "added to C_rr")
     roller_resistance: Off = fields.default(0, "added to that of the rollers")
-    motor: Off | Each = fields.default(0, "share by which motors are stronger; -5 % is weak")
+    motor: Off | OffPerWheel = fields.default(0, "share by which motors are stronger; -5 % is weak")
 
     @property
     def record(self) -> Misjudged:

@@ -137,7 +137,7 @@ def _explained(cells: Sequence[object], values: NDArray[np.float64], *, sampled:
 
 
 _TASKS = 128  # at least, where there are as many points
-_TRIED = 200  # variants, to find a valid one
+_TRIAL_VARIANTS = 200  # variants, to find a valid one
 
 
 @dataclass
@@ -207,7 +207,7 @@ def carry_out(
 def refuse_if_all_invalid(plan: Plan) -> str:
     """Size variants until one is valid."""
     heads = [column.head for column in columns_of(plan)]
-    few, first = range(1, plan.total + 1, -(-plan.total // _TRIED)), ""
+    few, first = range(1, plan.total + 1, -(-plan.total // _TRIAL_VARIANTS)), ""
     for number in few:
         row = dict(zip(heads, rows_of(plan.job, [plan.variant(number)]).rows[0], strict=True))
         if row["status"] != "error":

@@ -20,7 +20,7 @@ from rows import hold
 from scipy.optimize import brentq
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, columns_of, load, shipped
-from drivesizer.catalog.query import Hit, all_parts, open_catalogs, origins
+from drivesizer.catalog.query import PartRow, all_parts, open_catalogs, origins
 from drivesizer.catalog.tables import as_printed
 from drivesizer.catalog.view import split_actuators
 from drivesizer.units import from_si, to_si
@@ -262,7 +262,7 @@ def test_prices_are_dated(full: dict[str, Catalog]) -> None:
 # --- all together ----------------------------------------------------------------------------------------------------
 
 
-def _maker(hit: Hit) -> str:
+def _maker(hit: PartRow) -> str:
     return str(hit["manufacturer"])
 
 

@@ -13,7 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from drivesizer.catalog import load
-from drivesizer.catalog.query import Hit, all_parts, find, open_catalogs
+from drivesizer.catalog.query import PartRow, all_parts, find, open_catalogs
 from drivesizer.machine.part_curves import gear_efficiency, line, nominal_voltage_curves
 from drivesizer.output.report.figures import parts
 from drivesizer.output.report.figures.picture import on_paper
@@ -30,7 +30,7 @@ IDEAL = {"kind": "brushed", "nominal_voltage": f"{V} V", "resistance": f"{R} ohm
          "no_load_current": f"{I_0} A"}  # fmt: skip
 
 
-def own(tmp_path: Path, section: str, **figures: str) -> Hit:
+def own(tmp_path: Path, section: str, **figures: str) -> PartRow:
     rows = ", ".join(f"{name}: {text}" for name, text in figures.items())
     (tmp_path / "own.yaml").write_text(
         "catalog: 1\nmanufacturer: Anymaker\nsources:\n  sheet: {document: a sheet, confidence: quoted}\n"
@@ -39,7 +39,7 @@ def own(tmp_path: Path, section: str, **figures: str) -> Hit:
     return find(open_catalogs([str(tmp_path / "own.yaml")]), "P1")[0]
 
 
-def part_plots(hit: Hit) -> dict[str, Any]:
+def part_plots(hit: PartRow) -> dict[str, Any]:
     """Curves of a part as the page has them; paper can draw each, with plain figures at its axes."""
     plots = parts.part_plots(hit)
     assert not [name for name, plot in plots.items() if b"math" in on_paper(plot)("typeset")]
@@ -113,7 +113,7 @@ def test_a_gearhead_has_its_printed_efficiency_at_its_rated_torque():
 def test_a_printed_pull_out_curve_is_drawn_as_it_is():
     catalog = load(["stepperonline"])
     printed = catalog.pull_outs
-    hit = Hit("stepperonline", catalog, "steppers", int(printed.stepper[0]))
+    hit = PartRow("stepperonline", catalog, "steppers", int(printed.stepper[0]))
     own = printed.on((printed.stepper == printed.stepper[0]) & (printed.curve == printed.curve[0]))
     plot = part_plots(hit)["pull-out"]
     assert plot["title"].startswith("Pull-out torque as printed")

@@ -20,7 +20,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.output.document.axes import content_of
 from drivesizer.output.document.records import Column, Printed, Quantity, Row, Section, Series, Table
 from drivesizer.output.report import write
-from drivesizer.output.report.workbook import report_xlsx, shown, written
+from drivesizer.output.report.workbook import number_format, report_xlsx, written
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
@@ -137,7 +137,7 @@ def test_margins_are_formulas_of_the_cells_beside_them_or_numbers_in_per_cent(bo
 
 @pytest.mark.parametrize("value", [26.304, 5.0, 0.0, -0.07375, 208.8654, 6169.2, 0.002843, 1.0, 999.96, -2.855, 0.4175])
 def test_a_figure_is_shown_with_the_digits_that_are_printed_elsewhere(value):
-    decimals = len(shown(value).partition(".")[2])
+    decimals = len(number_format(value).partition(".")[2])
     assert float(f"{value:.{decimals}f}") == float(digits_of(value))
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from drivesizer.catalog.query import Hit, find, open_catalogs
+from drivesizer.catalog.query import PartRow, find, open_catalogs
 from drivesizer.machine.part_curves import continuous_curve, line, overload_times, permitted_current
 from drivesizer.output.document.catalogue import page
 from drivesizer.output.terminal import render
@@ -50,7 +50,7 @@ def write(path: Path, section: str, **figures: str) -> Path:
 def part(tmp_path):
     """A part of made-up figures; those that are None are unknown."""
 
-    def make(section: str = "motors", **changed: str | None) -> Hit:
+    def make(section: str = "motors", **changed: str | None) -> PartRow:
         figures = (MOTOR if section == "motors" else OUTPUT) | changed
         known = {name: text for name, text in figures.items() if text is not None}
         return find(open_catalogs([str(write(tmp_path / "own.yaml", section, **known))]), "P1")[0]
@@ -62,7 +62,7 @@ def part(tmp_path):
 def shown(monkeypatch, capsys):
     """The page of a part at a width."""
 
-    def show(hit: Hit, width: int = 80) -> str:
+    def show(hit: PartRow, width: int = 80) -> str:
         monkeypatch.setenv("COLUMNS", str(width))
         render.document(page(hit))
         return capsys.readouterr().out

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from drivesizer.catalog import load
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.errors import InputError
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.physics.thermal import TwoBodies
@@ -30,7 +30,7 @@ listed = cache(lambda catalogue: load([catalogue]))
 
 def hit(part, section="motors", catalogue="maxon"):
     catalog = listed(catalogue)
-    return Hit(catalogue, catalog, section, catalog.table(section).rows[part])
+    return PartRow(catalogue, catalog, section, catalog.table(section).rows[part])
 
 
 def of(motor, gearhead=None, controller=None, *, warming=False, **changes):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load, shipped
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions
 
@@ -28,7 +28,7 @@ def every():
 
 def points(catalog, section, row, figures=tuple(POINTS)):
     """Printed figures with their bands, as shares of what is printed: name, nominal, 5 %, 95 %."""
-    hit = Hit("", catalog, section, int(row))
+    hit = PartRow("", catalog, section, int(row))
     found = predict(hit, None, None, completed(BENCH, hit, None), warming=False)
     for name in figures:
         band, printed = found.figure(name).band, hit[POINTS[name]]

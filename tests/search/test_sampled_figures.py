@@ -11,7 +11,7 @@ from sampled_plainly import evaluated, machine_of
 
 from drivesizer import size
 from drivesizer.catalog import load
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.files.yaml_source import read
 from drivesizer.machine.problem import problem
 from drivesizer.prediction.predict import predict
@@ -94,7 +94,7 @@ def test_at_full_voltage_as_predicted_of_the_same_set(spec_of, sampled):
     catalog = replace(catalog, gearheads=replace(heads, columns=heads.columns | {"no_load_torque": idle}))
     ready, catalog, one = sampled(spec_of(CART), 4096, catalog)
     found = {x.name: x for x in figure_spreads(ready, catalog, one)}
-    hits = [Hit("maxon", catalog, section, catalog.table(section).rows[part]) for section, part in PARTS.items()]
+    hits = [PartRow("maxon", catalog, section, catalog.table(section).rows[part]) for section, part in PARTS.items()]
     given = Conditions(voltage=24.0, ambient=298.15, load=1.0, hold=1.0, inertia=0.0, duration=3600.0, warm=nan,
                        resistance=0.0)  # fmt: skip
     bench = predict(*hits, given)

@@ -13,7 +13,7 @@ import pytest
 from drivesizer.catalog import load
 from drivesizer.catalog.expressions import solved
 from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.catalog.view import search_view
 from drivesizer.physics.drive_train import friction
@@ -54,7 +54,7 @@ def here(tmp_path, monkeypatch):
 
 def hit(name, section, part):
     catalog = load([f"{name}.yaml"])
-    return Hit(name, catalog, section, catalog.table(section).rows[part])
+    return PartRow(name, catalog, section, catalog.table(section).rows[part])
 
 
 def of(motor, gearhead=None, **given):
@@ -184,7 +184,7 @@ def test_whatever_lacks_is_named(here):
         for name in draw.sample(names, 12):
             columns[name][:] = nan
         table = Table("motors", columns, catalog.motors.source[full : full + 1], np.zeros(1, bool))
-        one = Hit("maxon", catalog.with_tables({"motors": table}, {}), "motors", 0)
+        one = PartRow("maxon", catalog.with_tables({"motors": table}, {}), "motors", 0)
         for figure in of(one).figures:
             assert isnan(figure.band.nominal) == bool(figure.missing), figure
 
@@ -206,7 +206,7 @@ def classes_of(catalogue, part, given=None):
 
 def hit_of(catalogue, section, part):
     found = load((catalogue,))
-    return Hit(", ".join(found.digests), found, section, found.table(section).rows[part])
+    return PartRow(", ".join(found.digests), found, section, found.table(section).rows[part])
 
 
 def test_what_follows_from_stall_has_classes_of_its_own():

@@ -158,7 +158,7 @@ LONGEST = 250_000_000  # steps of a simulation: some 40 s
 _SHORTER = "expected a slower control.rate, one cycle of what repeats with a mission.duration, or a part with --profile"
 _ROUNDS = 4  # of the search for the periodic temperatures
 _NUDGE = 1.0  # K, difference of starts for a derivative
-_FOUND = 0.05  # K, last step of the search for the fixed point
+_LAST_STEP = 0.05  # K, last step of the search for the fixed point
 _HOTTEST = 2000.0  # K: beyond it the winding runs away
 
 
@@ -300,7 +300,7 @@ def _periodic(
         if slopes is None or last.figures["time_at_voltage_limit"][0]:
             slopes = np.column_stack([(after(start + _NUDGE * unit)[1] - end) / _NUDGE for unit in np.eye(2)])
         step = np.linalg.solve(np.eye(2) - slopes, end - start)
-        if np.abs(step).max() < _FOUND:
+        if np.abs(step).max() < _LAST_STEP:
             break
         start = start + step
         if not np.isfinite(start).all() or start.max() > _HOTTEST or np.abs(np.linalg.eigvals(slopes)).max() >= 1.0:

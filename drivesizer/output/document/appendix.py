@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of, singular
-from drivesizer.catalog.query import Hit, origins
+from drivesizer.catalog.query import PartRow, origins
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, Reported
 from drivesizer.output.document.part import datasheets
@@ -128,7 +128,7 @@ def figures_of_parts(content: Content) -> Iterator[doc.Block]:
 
 def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[doc.Row]:
     """The known figures of a part, and the notes on them."""
-    known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
+    known = origins(PartRow("", catalog, section, catalog.table(section).rows[part.part]))
     notes = catalog.notes_on(section, part.part)
     named = {"role": singular(section), "maker": part.manufacturer, "family": part.family, "number": part.part}
     for name, column in columns_of(section).items():

@@ -12,7 +12,7 @@ from drivesizer.output.derivation import margin, step
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives, OfLoop, driven_over
 from drivesizer.output.document.rows import check_table, figures_table, requirements_table, tightest_table
-from drivesizer.output.loop_table import BESIDE, NO_LINEAR, gain_rows, left_out, loop_figures, loop_name
+from drivesizer.output.loop_table import LINEAR_LOOP, NO_LINEAR, gain_rows, left_out, loop_figures, loop_name
 from drivesizer.results.check import sentence_case
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.units import show
@@ -230,7 +230,7 @@ def loop(content: Content | OfLoop) -> Iterator[doc.Block]:
             if engine and not isnan(linear.value + engine.value):
                 values = " and ".join(show(figure.value, figure.unit, figure.kind) for figure in (linear, engine))
                 figures.append(f"{linear.title[0].lower()}{linear.title[1:]} {values}")
-        yield doc.Words(f"{BESIDE}: {'; '.join(figures) or 'no figure that figures have'}.", media="terminal")
+        yield doc.Words(f"{LINEAR_LOOP}: {'; '.join(figures) or 'no figure that figures have'}.", media="terminal")
     if v.tried:
         yield remedies(v)
 
@@ -283,10 +283,10 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
     if v.warnings:
         yield doc.Bullets("Warnings of the simulation:", list(v.warnings))
     columns_of = {name: (values, *v.series_units[name]) for name, values in v.series.items()}
-    yield doc.Series("Time series", "timeseries", columns_of, _DRAWN)
+    yield doc.Series("Time series", "timeseries", columns_of, _CHART_COLUMNS)
 
 
-_DRAWN = ("speed_reference", "speed", "current", "load_angle")
+_CHART_COLUMNS = ("speed_reference", "speed", "current", "load_angle")
 
 
 def _linear_run(v: Validation) -> Iterator[doc.Block]:
@@ -304,7 +304,7 @@ def _linear_run(v: Validation) -> Iterator[doc.Block]:
                 doc.Quantity(f.at_time, "s", "time") if f is not None and known and f.at_time is not None else ""
             )
         rows.append(doc.Row(cells, name=pair.linear.name))
-    yield doc.table("linear_run", BESIDE, rows)
+    yield doc.table("linear_run", LINEAR_LOOP, rows)
     yield doc.Words(left_out(v.linear), "note")
 
 

@@ -31,7 +31,7 @@ def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, D
 # -- Drives in rows: names with their part numbers, mass, price, energy, smallest margin.
 
 
-_SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column whatever ranks
+_WITH_COLUMN = {"mass", "price", "energy", "margin"}  # objectives that have a column whatever ranks
 
 
 def short_name(drive: DriveSet) -> str:
@@ -65,7 +65,7 @@ def short_drive(
         "short", drive, name=f"{drive.motor.part}_{drive.gearhead.part}", outcome=drive.status,
         data={"rank": str(drive.rank)},
         drive=(doc.Strong(name) if drive.rank == 1 else name, doc.Small("; ".join(filter(None, small)))),
-        objective="" if objective in _SHOWN else objective_quantity(drive, objective), mass=mass_quantity(drive),
+        objective="" if objective in _WITH_COLUMN else objective_quantity(drive, objective), mass=mass_quantity(drive),
         price=doc.Quantity(drive.price, drive.currency, "money", own=price),
         energy=doc.Quantity(energy.value, energy.unit, energy.kind, own="–" if isnan(energy.value) else ""),
         margin=doc.Quantity(tight.margin, "%", "margin") if tight else "–", tight=tight.title if tight else "",
@@ -99,7 +99,7 @@ def short_table(caption: str, drives: Sequence[DriveSet], objective: str, name: 
     words = caption, f": one drive each, mass with {braked}encoder and controller", doc.Note("energy per cycle of all")
     rows = [short_drive(drive, shared, objective, first=drive is drives[0]) for drive in drives]
     yield doc.table("short", words, rows, name=name, heads={"objective": objective.replace("_", " ")},
-                    without=["objective"] if objective in _SHOWN else ())  # fmt: skip
+                    without=["objective"] if objective in _WITH_COLUMN else ())  # fmt: skip
     if shared:
         yield doc.Words(f"Unknown of each: {shared[0] if len(shared) == 1 else f'{len(shared)} checks'}.", "note")
 

@@ -12,7 +12,7 @@ from drivesizer.catalog import PARTS, Catalog, columns_of, singular
 from drivesizer.catalog.importing import Imported, lacking
 from drivesizer.catalog.laws import Finding
 from drivesizer.catalog.parts import printed
-from drivesizer.catalog.query import OPTIONS, Coverage, Hit, Row, Selection, coverage, families, pairs_of
+from drivesizer.catalog.query import OPTIONS, Coverage, PartRow, Row, Selection, coverage, families, pairs_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
 from drivesizer.output.document import part
@@ -20,7 +20,7 @@ from drivesizer.output.document import records as doc
 from drivesizer.output.words import figure, first_columns, number_of
 from drivesizer.units import label, show
 
-_BESIDE = 4  # parts side by side on 80 columns or a page
+_PARTS_A_TABLE = 4  # parts side by side on 80 columns or a page
 _FEW = 5  # catalogues of which the families are named, else their makers; or beside one another
 _APART = doc.Words("", media="terminal")  # an empty line
 
@@ -80,7 +80,7 @@ def _list(section: str, selection: Selection, limit: int, named: Sequence[str]) 
         yield doc.Words(f"{selection.excluded} more are excluded from sizing by a note; --excluded lists them (×)")
 
 
-def listed(section: str, hits: Sequence[Hit], named: Sequence[str], *, makers: bool = False) -> doc.Table:
+def listed(section: str, hits: Sequence[PartRow], named: Sequence[str], *, makers: bool = False) -> doc.Table:
     """Parts, a line each, with the columns that conditions name; perhaps with their makers."""
     schema, (_, usual) = columns_of(section), first_columns(section)
     there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
@@ -102,7 +102,7 @@ def listed(section: str, hits: Sequence[Hit], named: Sequence[str], *, makers: b
 
 
 def searched(
-    groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[Hit], limit: int
+    groups: Mapping[str, Mapping[str, Sequence[PartRow]]], parts: Sequence[PartRow], limit: int
 ) -> Iterator[doc.Block]:
     """The families and parts in which a text was found."""
     rows = []
@@ -122,7 +122,7 @@ def searched(
 # -- one part as a data sheet, several side by side
 
 
-def page(hit: Hit, *, sources: bool = False) -> doc.Document:
+def page(hit: PartRow, *, sources: bool = False) -> doc.Document:
     """One part as a data sheet: figures, curves, what goes with it, tolerances, sources."""
     from drivesizer.output.report.figures.parts import part_plots
     from drivesizer.output.report.figures.picture import Pictured, on_paper
@@ -148,9 +148,11 @@ def page(hit: Hit, *, sources: bool = False) -> doc.Document:
     )  # fmt: skip
 
 
-def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> doc.Document:
+def comparison(hits: Sequence[PartRow], rows: Sequence[Row]) -> doc.Document:
     """Parts side by side; a row in which they differ is marked, ? where some are unknown."""
-    return _document(" and ".join(hit.part for hit in hits), "parts side by side", part.comparison(hits, rows, _BESIDE))
+    return _document(
+        " and ".join(hit.part for hit in hits), "parts side by side", part.comparison(hits, rows, _PARTS_A_TABLE)
+    )
 
 
 # -- completeness of catalogues

@@ -10,8 +10,8 @@ import numpy as np
 
 from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.estimates import SAME_FAMILY, estimates_of, family_limits, law_text
-from drivesizer.catalog.parts import HELD, Column
-from drivesizer.catalog.query import Hit, Row, origins, partners, tolerances
+from drivesizer.catalog.parts import CONSTANT_DRAWS, Column
+from drivesizer.catalog.query import PartRow, Row, origins, partners, tolerances
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view import CLAMPING_HUB
 from drivesizer.machine.part_curves import HEAT, overload_times, permitted_current
@@ -62,13 +62,13 @@ def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def head(hit: Hit) -> str:
+def head(hit: PartRow) -> str:
     """Maker and family of a part, with its reduction where it has one."""
     reduction = f" {hit['reduction']}" if hit.section in ("gearheads", "actuators") else ""
     return f"{hit['manufacturer']} {hit['family']}{reduction}".strip()
 
 
-def figures_of(hit: Hit, *, sources: bool = False) -> doc.Table:
+def figures_of(hit: PartRow, *, sources: bool = False) -> doc.Table:
     """Every known figure with its confidence; on request that of all, and the number of the document."""
     origin, named = {name.replace("_", " "): source for name, source in origins(hit).items()}, documents_of(hit)
     rows = []
@@ -91,7 +91,7 @@ def cell(value: Any, column: Column, *, unit: bool = True) -> doc.Cell:
     return doc.Quantity(value, column.unit, kind, 5, own=figure(value, column, unit=unit))
 
 
-def documents_of(hit: Hit) -> list[str]:
+def documents_of(hit: PartRow) -> list[str]:
     """The documents behind a part's figures, each once."""
     return list(dict.fromkeys(source.document for source in origins(hit).values()))
 
@@ -105,7 +105,7 @@ _POINTS = (
 )  # fmt: skip
 
 
-def behaviour(hit: Hit) -> Iterator[doc.Block]:
+def behaviour(hit: PartRow) -> Iterator[doc.Block]:
     """Tables of a part, and its curves in their place."""
     if hit.section in ("motors", "actuators"):
         schema = columns_of(hit.section)
@@ -123,7 +123,7 @@ def behaviour(hit: Hit) -> Iterator[doc.Block]:
     yield from _prices(hit)
 
 
-def _prices(hit: Hit) -> Iterator[doc.Block]:
+def _prices(hit: PartRow) -> Iterator[doc.Block]:
     """The prices that lists have of a part, the newest first."""
     prices = [price for price in hit.catalog.prices if (price.section, price.part) == (hit.section, hit.part)]
     rows = [(f"{price.amount:.2f} {price.currency}", str(price.pieces), price.date, price.seller,
@@ -139,10 +139,10 @@ CURVES = {  # names of a part's curves, of which some have several
 }  # fmt: skip
 
 
-def _discharges(hit: Hit) -> Iterator[doc.Block]:
+def _discharges(hit: PartRow) -> Iterator[doc.Block]:
     """The printed discharges of a battery, constant currents and constant powers apart; times down, voltages across."""
     discharges = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
-    for constant, unit in HELD.items():
+    for constant, unit in CONSTANT_DRAWS.items():
         own = discharges.on(~np.isnan(getattr(discharges, constant)))
         ends, draw, rows = np.unique(own.cutoff_voltage), getattr(own, constant), []
         for time in np.unique(own.time):
@@ -154,7 +154,7 @@ def _discharges(hit: Hit) -> Iterator[doc.Block]:
         yield doc.table("across", f"Constant {constant} ({unit}), down to", rows, without=["title"], more=columns)
 
 
-def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
+def _pull_outs(hit: PartRow) -> Iterator[doc.Block]:
     """The printed pull-out curves of a stepper, one after the other."""
     from drivesizer.output.report.figures.parts import pull_out_conditions
 
@@ -168,7 +168,7 @@ def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
         yield doc.table("pull_outs", f"Pull-out torque: {pull_out_conditions(points)}", rows)
 
 
-def _estimates(hit: Hit) -> Iterator[doc.Block]:
+def _estimates(hit: PartRow) -> Iterator[doc.Block]:
     """Figures that its data sheet leaves out, as its peers have them; limits that all others of its family have."""
     schema = columns_of(hit.section)
 
@@ -203,7 +203,7 @@ _OVERLOADS = (1.5, 2.0, 3.0, 5.0)  # times the continuous current
 _SLOW = ("winding_time_constant", "motor_time_constant")
 
 
-def _heat(hit: Hit) -> Iterator[doc.Block]:
+def _heat(hit: PartRow) -> Iterator[doc.Block]:
     """Continuous current over ambient temperature and overload times at 25 degC, or what is missing for them."""
     ambients, overloads = _ambients(hit), _overloads(hit)
     tables = [table for table in (ambients, overloads) if table]
@@ -216,7 +216,7 @@ def _heat(hit: Hit) -> Iterator[doc.Block]:
     yield from (doc.Words(note) for note in notes)
 
 
-def _ambients(hit: Hit) -> doc.Table | None:
+def _ambients(hit: PartRow) -> doc.Table | None:
     """Continuous current; None where it is known at 25 degC only, which is among the figures."""
     currents = [permitted_current(hit, ambient) for ambient in _AMBIENTS]
     if all(map(isnan, currents[1:])):
@@ -228,7 +228,7 @@ def _ambients(hit: Hit) -> doc.Table | None:
     return doc.table("across", title, [(name, *map(_amperes, currents))], more=columns)
 
 
-def _overloads(hit: Hit) -> doc.Table | None:
+def _overloads(hit: PartRow) -> doc.Table | None:
     """Overload times at a few currents; None where unknown."""
     currents = [permitted_current(hit, DATA_TEMPERATURE) * times for times in _OVERLOADS]
     times = [overload_times(hit, current) for current in currents]
@@ -244,7 +244,7 @@ def _overloads(hit: Hit) -> doc.Table | None:
     return doc.table("across", f"Overload at standstill, 25 °C, to {limit}", rows, more=columns)
 
 
-def _bounds(hit: Hit) -> list[str]:
+def _bounds(hit: PartRow) -> list[str]:
     """Notes on overload times: the warm start, and limits other than heat."""
     most, current = (_OVERLOADS[-1] * permitted_current(hit, DATA_TEMPERATURE),
                      hit["nominal_voltage"] / hit["resistance"])  # fmt: skip
@@ -267,7 +267,7 @@ def _amperes(current: float) -> str:
 EXCLUDED = "excluded from sizing by a note"
 
 
-def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:
+def partner_lines(hit: PartRow) -> list[tuple[str, dict[str, int]]]:
     """Parts that go with a part: a line for each kind, and of each of its families how many."""
     lines: list[tuple[str, dict[str, int]]] = []
     for section, counts in partners(hit).items():
@@ -282,7 +282,7 @@ def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:
     return lines
 
 
-def own_remarks(hit: Hit) -> Iterator[doc.Words]:
+def own_remarks(hit: PartRow) -> Iterator[doc.Words]:
     """Exclusion, tolerances by the maker, notes."""
     if hit.table.excluded[hit.row]:
         yield doc.Words(EXCLUDED, "alarm")
@@ -303,7 +303,7 @@ def own_remarks(hit: Hit) -> Iterator[doc.Words]:
         yield doc.Words((doc.Strong("note: "), f"{note['where']}: {words}" if note["where"] else words))
 
 
-def remarks(hit: Hit, *, sources: bool = False) -> Iterator[doc.Words]:
+def remarks(hit: PartRow, *, sources: bool = False) -> Iterator[doc.Words]:
     """Those, and the document, or all documents with their numbers."""
     yield from own_remarks(hit)
     if not sources:
@@ -315,7 +315,7 @@ def remarks(hit: Hit, *, sources: bool = False) -> Iterator[doc.Words]:
         yield doc.Words(f"[{place}] " + ", ".join(filter(None, (name, known[name].date, known[name].url))))
 
 
-def comparison(hits: Sequence[Hit], rows: Sequence[Row], most: int) -> Iterator[doc.Block]:
+def comparison(hits: Sequence[PartRow], rows: Sequence[Row], most: int) -> Iterator[doc.Block]:
     """Parts side by side, so many in a table; a row in which they differ is marked, ? where some are unknown."""
     for start in range(0, len(hits), most):
         places = range(start, min(start + most, len(hits)))

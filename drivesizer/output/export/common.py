@@ -548,9 +548,9 @@ def assumed(of: Export) -> list[str]:
 # Remarks: their texts are in remarks.txt, where figures and names are put in.
 
 
-def _shown(limit: Limit, unit: str) -> str:
+def _limit_text(limit: Limit, unit: str) -> str:
     unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
     return f"{brief(limit.value)} {unit} ({limit.by}{unknown})" if limit.by else "unknown"
 
 
-sentences = partial(remarks_on, __package__, filters=(("brief", brief), ("number", number), ("shown", _shown)))
+sentences = partial(remarks_on, __package__, filters=(("brief", brief), ("number", number), ("shown", _limit_text)))

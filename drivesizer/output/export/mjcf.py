@@ -47,7 +47,7 @@ MOST_POINTS = 2000  # of the cycle in the file
 _ROW_OF_3 = 500  # figures that MuJoCo 3 reads in a row
 _ZERO_CELSIUS = 273.15
 _LEAST_MASS = 1e-9  # kg: no simulator takes a moving body without any
-_SHOWN = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is for display only
+_DISPLAY_ONLY = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is for display only
 _SECTIONS = ("worldbody", "contact", "tendon", "equality", "actuator", "sensor", "custom", "keyframe")
 _WORLD = "world"  # MuJoCo's own body
 Sections = dict[str, Element]
@@ -197,10 +197,10 @@ def _axis(sections: Sections, name: str, of: Export) -> None:
     SubElement(body, "inertial", pos=vector(link.centre), mass=number(link.mass), diaginertia=about)
     if lever is None:
         size = number(0.1 if of.turns else train.radius)
-        SubElement(body, "geom", {"type": "cylinder", "size": f"{size} 0.02"} | _SHOWN)
+        SubElement(body, "geom", {"type": "cylinder", "size": f"{size} 0.02"} | _DISPLAY_ONLY)
     else:
         ends = {"size": number(0.05 * lever.length), "fromto": vector((0.0, 0.0, 0.0, *link.centre))}
-        SubElement(body, "geom", {"type": "capsule"} | ends | _SHOWN)
+        SubElement(body, "geom", {"type": "capsule"} | ends | _DISPLAY_ONLY)
         _point_mass(body, f"{before}gears_loss", link.centre, more)
         loss = {"frictionloss": number(half * abs(of.moment) / lever.length), "rgba": "0 0 0 0"}
         plumb = {"name": f"{before}plumb_line", "width": "1e-4"} | loss | _hard(step)
@@ -416,7 +416,7 @@ def _robot_link(body: Element, name: str, robot: RobotExport, *, moves: bool) ->
         length = float(np.linalg.norm(joint.place))
         if joint.parent == name and length > 0.0:
             ends = {"size": number(0.06 * length), "fromto": vector((0.0, 0.0, 0.0, *joint.place.tolist()))}
-            SubElement(body, "geom", {"type": "capsule"} | ends | _SHOWN)
+            SubElement(body, "geom", {"type": "capsule"} | ends | _DISPLAY_ONLY)
     for drive in robot.drives:
         if drive.place.link == name and drive.beyond:
             _point_mass(body, free_name(f"{drive.joint}_drive", robot.robot.links), drive.place.at, drive.beyond)
@@ -471,7 +471,7 @@ def _platform_remarks(of: PlatformExport) -> list[str]:
 def _platform(sections: Sections, of: PlatformExport, step: float) -> None:
     """Floor, base, wheels with their drives, casters, and the motion."""
     world, contact, r = sections["worldbody"], sections["contact"], of.radius
-    SubElement(world, "geom", {"name": _FLOOR, "type": "plane", "size": "0 0 1"} | _SHOWN)
+    SubElement(world, "geom", {"name": _FLOOR, "type": "plane", "size": "0 0 1"} | _DISPLAY_ONLY)
     base = SubElement(world, "body", name=BASE, pos=vector((0.0, 0.0, r)))
     SubElement(base, "freejoint", name="base")
     moments, centre = vector(np.diag(of.base.inertia).tolist()), of.base.centre - np.array([0.0, 0.0, r])
@@ -480,7 +480,7 @@ def _platform(sections: Sections, of: PlatformExport, step: float) -> None:
         size = of.size
         box = {"size": vector((size.length / 2, size.width / 2, size.height / 2)), "rgba": "0.6 0.6 0.6 0.3"}
         at = vector((size.x, size.y, size.height / 2 - r))
-        SubElement(base, "geom", {"type": "box", "pos": at} | box | _SHOWN)
+        SubElement(base, "geom", {"type": "box", "pos": at} | box | _DISPLAY_ONLY)
 
     def pair(name: str, friction: Sequence[float]) -> None:
         """A contact with the floor; of a capsule the first friction is along its axis."""
@@ -503,7 +503,7 @@ def _platform(sections: Sections, of: PlatformExport, step: float) -> None:
     for n, caster in enumerate(of.platform.casters, 1):
         ball = {"name": f"caster_{n}", "type": "sphere", "size": number(_CASTER * r)}
         ball["pos"] = vector((caster.x, caster.y, (_CASTER - 1.0) * r))
-        SubElement(base, "geom", ball | _SHOWN)
+        SubElement(base, "geom", ball | _DISPLAY_ONLY)
         pair(f"caster_{n}", [caster.rolling_resistance] * 2)
     columns = {"cycle_time": of.time}
     columns |= {f"{wheel_name(place)}_speed": of.kinematics.E[place] @ of.eta for place in of.drives}
@@ -533,8 +533,8 @@ def _wheel(base: Element, of: PlatformExport, place: int, step: float) -> None:
     SubElement(body, "inertial", pos="0 0 0", mass=number(of.wheel.mass), diaginertia=moments)
     half = _SHORT * of.radius * axis
     rolls = {"name": f"{name}_contact", "type": "capsule", "size": number(of.radius), "rgba": "0 0 0 0"}
-    SubElement(body, "geom", rolls | {"fromto": vector((*-half, *half))} | _SHOWN)
+    SubElement(body, "geom", rolls | {"fromto": vector((*-half, *half))} | _DISPLAY_ONLY)
     axle = _WIDTH * of.radius * np.array([-sin(wheel.heading), cos(wheel.heading), 0.0])
     seen, at = (base, np.array([wheel.x, wheel.y, 0.0])) if wheel.roller_angle else (body, np.zeros(3))
     ends = {"type": "cylinder", "size": number(of.radius), "fromto": vector((*(at - axle), *(at + axle)))}
-    SubElement(seen, "geom", ends | _SHOWN)
+    SubElement(seen, "geom", ends | _DISPLAY_ONLY)

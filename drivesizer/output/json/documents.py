@@ -1,7 +1,7 @@
 """Results as JSON: the records themselves, by the names of their fields, in SI; null where a figure is unknown.
 
 A field that is added to a record is in the document, and in its schema, without a line here. ``_LEFT_OUT`` has the
-fields that no document has, ``_MADE`` what stands beside the others or in place of one.
+fields that no document has, ``_COMPUTED_FIELDS`` what stands beside the others or in place of one.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def keys(record: type) -> dict[str, Callable[[Any], Any]]:
 def added_keys(record: type) -> dict[str, Callable[[Any], Any]]:
     """The keys of a record that are none of its fields, or stand in place of one."""
     additions: dict[str, Callable[[Any], Any]] = {}
-    for base, entries in _MADE.items():
+    for base, entries in _COMPUTED_FIELDS.items():
         additions |= entries if issubclass(record, base) else {}
     return additions
 
@@ -173,7 +173,7 @@ _LEFT_OUT: dict[type, set[str]] = {
     Identification: {"time", "traces"},
     Comparison: {"time", "traces"},
 }
-_MADE: dict[type, dict[str, Callable[[Any], Any]]] = {
+_COMPUTED_FIELDS: dict[type, dict[str, Callable[[Any], Any]]] = {
     MachineSizing: {"machine": _machine, **_properties(MachineSizing, "status", "total")},
     AxisSizing: _properties(AxisSizing, "drives"),
     SizingResult: {"spec": _entered, "catalogs": _catalogs, "platform_numbers": _platform},

@@ -55,7 +55,7 @@ _LINE, _MOST_LINES = 15, 25  # points of a line; lines of a row
 _NARROW, _WIDEST = 1.15, 60  # letters for each digit of width; letters of a column
 
 
-def shown(value: float, digits: int = 4) -> str:
+def number_format(value: float, digits: int = 4) -> str:
     """The number format that shows a value with so many digits; an exponent for what is very small or large.
 
     >>> shown(26.304), shown(5.0), shown(12345.6), shown(2.3e-7)
@@ -308,7 +308,7 @@ def _write_figure(
         sheet.write(n, label(cell.unit if place.part == "unit" else cell.si_unit), "unit")
         return
     if place.part == "SI value":
-        sheet.number(n, cell.value, shown(cell.value) if isfinite(cell.value) else "", "number")
+        sheet.number(n, cell.value, number_format(cell.value) if isfinite(cell.value) else "", "number")
         return
     if row.total and unit and cell.unit != unit and cell.kind not in ("money", "count"):
         cell = doc.Quantity(cell.value, unit, cell.kind, cell.digits)
@@ -316,7 +316,7 @@ def _write_figure(
     form = _FORMS.get(cell.kind, "")
     if not form and isfinite(number):
         decimals = len(likely(number).removesuffix(" %").partition(".")[2]) if cell.kind == "probability" else 0
-        form = f"0.{'0' * decimals} %" if cell.kind == "probability" else shown(number, cell.digits)
+        form = f"0.{'0' * decimals} %" if cell.kind == "probability" else number_format(number, cell.digits)
     sheet.number(n, number, form, "total" if row.total else "number", formula)
 
 

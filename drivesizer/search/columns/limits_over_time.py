@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple, Unpack
 import numpy as np
 
 from drivesizer.kernel.cycle import ENERGY, POWER
-from drivesizer.kernel.evaluate import drives_of, evaluate, held
+from drivesizer.kernel.evaluate import at_rise, drives_of, evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
@@ -34,10 +34,10 @@ from drivesizer.spec.robot import RobotSpec
 # what is computed from the waveform: nothing, what bounds leave open, peaks and heat of all drives, energies too
 Waveform = Literal["bounds", "open", "limits", "all"]
 _STAYS = "unknown: where it goes: give brake_resistor, supply.capacitance, or supply.accepts: all of a battery"
-_TAKEN = "at least: what controller and commutation take of the voltage is known within a band"
-_HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
+_LOSSES_IN_BAND = "at least: what controller and commutation take of the voltage is known within a band"
+_AT_HIGHEST_VOLTAGE = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
 _ROUNDING = 1e-9  # of a figure
-_SOME = 1e-100  # s, more than nothing, of a time that is not known yet
+_UNKNOWN_TIME = 1e-100  # s, more than nothing, of a time that is not known yet
 
 
 class InCase(NamedTuple):
@@ -110,7 +110,7 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
         for name in ("winding", "winding_time", "above", "power", "power_time")
     )
     bus = Range(_bus_voltage(spec, low, controller).low, _bus_voltage(spec, high, controller).high)
-    note = _HELD if spec.battery and spec.accepts_all else ""
+    note = _AT_HIGHEST_VOLTAGE if spec.battery and spec.accepts_all else ""
     checks = [
         winding_limit(spec, winding, parts.motor, warmest),
         voltage_limit(spec, low, high, controller),
@@ -136,7 +136,7 @@ def voltage_limit(spec: RobotSpec, low: Moments, high: Moments, controller: Figu
     """Bounds of the motor's voltage against what supply and controller leave of it."""
     volts, time = Range(low.voltage, high.voltage), Range(low.voltage_time, high.voltage_time)
     usable = spec.feed(controller).usable_range
-    return at_most("supply_voltage", volts, usable, needed=spec.margins.speed, time=time, undecided=_TAKEN)
+    return at_most("supply_voltage", volts, usable, needed=spec.margins.speed, time=time, undecided=_LOSSES_IN_BAND)
 
 
 def bus_limit(spec: RobotSpec, bus: Alike, limit: Alike, **more: Unpack[Options]) -> CheckColumn:
@@ -215,7 +215,7 @@ def lowest(case: InCase, parts: Parts) -> Moments:
     return Moments(*[unknown] * len(Moments._fields))._replace(
         winding=case.heating.winding,
         voltage=case.stresses.cold_voltage.value,
-        above=np.where(current > limit, _SOME, np.where(np.isnan(current) | np.isnan(limit), np.nan, 0.0)),
+        above=np.where(current > limit, _UNKNOWN_TIME, np.where(np.isnan(current) | np.isnan(limit), np.nan, 0.0)),
         power=np.zeros_like(current),
         stored=_least_kept(case, parts),
     )
@@ -294,7 +294,7 @@ def exact(
     held_mean = np.where(np.isfinite(mean), mean, np.nan) - ambient
     drives = drives._replace(held=_permitted(warmest, motor) - ambient, held_mean=held_mean)
     least_of, high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, all_rows)
-    cold, _ = _moments(ambient, cycle, held(drives, 0.0, 0.0), feed, stresses.cold_voltage, level, rows)
+    cold, _ = _moments(ambient, cycle, at_rise(drives, 0.0, 0.0), feed, stresses.cold_voltage, level, rows)
     low = Moments(*(column.copy() for column in least_of))
     for name in ("voltage", "voltage_time", "power", "power_time"):
         getattr(low, name)[rows] = getattr(cold, name)

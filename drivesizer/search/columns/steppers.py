@@ -49,7 +49,7 @@ _APART = np.sqrt(2.0)  # of step rate and natural frequency, either way
 _RATIO = 10.0  # load's inertia over the motor's, that makers advise not to exceed
 _RESONANT = "steady step rate and natural frequency, at least this ratio apart: near it rotors swing: informational"
 _HEAVY = "makers advise 10 at most with a ramp: informational"
-_KEPT = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
+_NO_SINK = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
 
 
 class Frictionless:
@@ -323,7 +323,7 @@ def supply_limits(spec: RobotSpec, draw: Draw, parts: Parts, printed: Array) -> 
     bus = np.where(none | spec.accepts_all, supply.highest, raised)  # as if all of a cycle came at once
     checks = [
         at_most("supply_voltage", supply.highest, np.where(np.isnan(printed), np.inf, printed)),
-        bus_limit(spec, bus, np.where(none, np.inf, parts.controller["supply_max"]), undecided=_KEPT),
+        bus_limit(spec, bus, np.where(none, np.inf, parts.controller["supply_max"]), undecided=_NO_SINK),
     ]
     if supply.current is not None:
         checks.append(at_most("supply_current", power / supply.lowest, supply.current, needed=torque))

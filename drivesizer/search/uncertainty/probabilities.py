@@ -41,7 +41,7 @@ from drivesizer.search.uncertainty.uncertain_figures import Assumption
 
 Result = TypeVar("Result")
 _QUANTILES = (0.05, 0.5, 0.95)
-_KEPT = 1_000_000  # segments times samples that are kept in memory for all drives
+_CELLS_IN_MEMORY = 1_000_000  # segments times samples that are kept in memory for all drives
 _TOGETHER = 8  # drives whose samples are held at a time
 _OF_A_FACTOR = ("pull_out_torque",)  # whose margin is required to be some 100 %: what exceeds that is the tight part
 
@@ -135,7 +135,7 @@ def _every_check(
 ) -> Iterator[dict[str, Over]]:
     """The checks of each drive over all samples; those that no sample changes are as they are nominally."""
     belts = sorted({drive.rows.belt for drive in subjects})
-    in_memory = [*blocks(samples, catalog, belts)] if samples.cells <= _KEPT else None
+    in_memory = [*blocks(samples, catalog, belts)] if samples.cells <= _CELLS_IN_MEMORY else None
     for first in range(0, len(subjects), _TOGETHER):
         group = subjects[first : first + _TOGETHER]
         parts: list[list[dict[str, Over]]] = [[] for _ in group]

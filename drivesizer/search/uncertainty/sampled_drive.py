@@ -110,7 +110,9 @@ def prepared(
             of_machine = problem.machine.load_cases[machine][1]
             cases += [_Case(machine, spec, paths, cycle) for spec, cycle in _wheels(of_machine, specs, columns, values)]
         elif _one_by_one(specs[0], [*columns]):
-            each_cycle = [load_cycle(applied(specs[0], differences)) for differences in _each(columns, len(values))]
+            each_cycle = [
+                load_cycle(applied(specs[0], differences)) for differences in _by_sample(columns, len(values))
+            ]
             cases.append(_Case(machine, specs[0], paths, side_by_side(each_cycle)))
         else:
             cases.append(_Case(machine, specs[0], paths, load_cycle(applied(specs[0], columns), sampled=True)))
@@ -128,7 +130,7 @@ def _one_by_one(case: RobotSpec, paths: Sequence[Path_]) -> bool:
     return isinstance(case.load, platform.WheelLoad) or of_a_curve or ("load", "smoothing") in paths
 
 
-def _each(columns: Mapping[Path_, Array], samples: int) -> Iterator[dict[Path_, float]]:
+def _by_sample(columns: Mapping[Path_, Array], samples: int) -> Iterator[dict[Path_, float]]:
     """Differences from nominal figures, by their place, sample by sample."""
     for row in range(samples):
         yield {path: float(column[row]) for path, column in columns.items() if column[row]}
@@ -140,7 +142,7 @@ def _wheels(
     """Each driven wheel of a platform on its path, since deviations need not be the same for all, with its cycles."""
     nominal, wheel_cycles = platform.trajectory_of(machine), []
     planned = any(path[0] == "motion" or path[:2] == ("platform", "limits") for path in columns)
-    for differences in _each(columns, len(values)) if columns else [{}]:
+    for differences in _by_sample(columns, len(values)) if columns else [{}]:
         sample_spec = applied(machine, differences)
         trajectory = platform.trajectory_of(sample_spec) if planned else nominal
         assert trajectory is not None

@@ -29,7 +29,7 @@ _FEW = 16  # points that are no sample
 def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> Array:
     """Points of the cube from 0 to 1: for each seed as many as a power of two, one seed after the other."""
     name = "sobol" if len(seeds) > 1 else "sobol_of_one"  # of a fit: in no sample's place, which would be drawn anew
-    return _kept(
+    return _cached(
         name, repr((figures, power, [*map(tuple, seeds)])).encode(), partial(_sobol_points, figures, power, seeds)
     )
 
@@ -44,10 +44,10 @@ def _sobol_points(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> A
 def normal_deviations(share: Array) -> Array:
     """Normal deviations at points (``distributions.deviations_at``), kept too: to load SciPy takes longer."""
     name = "deviations" if len(share) > _FEW else "deviations_of_few"
-    return _kept(name, repr((share.shape, CUT)).encode() + share.tobytes(), partial(deviations_at, share))
+    return _cached(name, repr((share.shape, CUT)).encode() + share.tobytes(), partial(deviations_at, share))
 
 
-def _kept(name: str, of: bytes, make: Callable[[], Array]) -> Array:
+def _cached(name: str, of: bytes, make: Callable[[], Array]) -> Array:
     """Points made of some input, out of the cache folder where this SciPy made them before."""
     digest = digest_of(_scipy(), of)
     path = folder() / f"{name}{int(digest[:4], 16) % _PLACES}-{digest}.npy"

@@ -10,7 +10,7 @@ import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.catalog.estimates import MOUNTED
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.query import PartRow
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.tolerances import (
     CLASSES,
@@ -113,11 +113,15 @@ def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
     return True
 
 
-def _sold_as(catalog: Catalog, part: str, row: int) -> Hit:
+def _sold_as(catalog: Catalog, part: str, row: int) -> PartRow:
     """The part as its catalogue has it: the actuator, of one that is inside of that."""
     section = _SECTIONS[part]
     inside = str(catalog.table(section)["inside"][row])
-    return Hit("", catalog, "actuators", catalog.actuators.rows[inside]) if inside else Hit("", catalog, section, row)
+    return (
+        PartRow("", catalog, "actuators", catalog.actuators.rows[inside])
+        if inside
+        else PartRow("", catalog, section, row)
+    )
 
 
 def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | None:

@@ -108,7 +108,7 @@ def signed(field: OperatingField) -> tuple[Array, Array]:
     return one_way(field.cycle_speed, field.cycle_torque)
 
 
-def _drawn(speed: Array, torque: Array) -> Array:
+def _thinned(speed: Array, torque: Array) -> Array:
     """Segments of a trace that are drawn: so many, and the extremes."""
     extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
     return np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
@@ -196,7 +196,7 @@ def _cycle(field: OperatingField, name: str, unit: str, time: Array | None) -> I
     speed, torque = signed(field)
     if np.isnan(torque).any():
         return
-    rows, texts = _drawn(speed, torque), list[str]()
+    rows, texts = _thinned(speed, torque), list[str]()
     if time is not None:
         power = (speed * torque)[rows].ravel()
         texts = [f"at {at:.6g} s of the cycle, {watts:.4g} W at the shaft".replace("-", "−")
@@ -279,7 +279,7 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
     for name, case in cases:  # at the gearhead's output, one way as the other: what brakes is below 0
         functions = case.cycle.functions
         speed, torque = one_way(functions[:, :, SPEED], functions[:, :, : AT_REST + 1].sum(axis=2))
-        rows = _drawn(speed, torque)
+        rows = _thinned(speed, torque)
         traces.append((name, torque[rows].ravel(), speed[rows].ravel()))
     demand = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
     rated = float(cases[0][1].gearhead["continuous_torque"][0])
@@ -309,7 +309,7 @@ def efficiency_map(figure: Figure, cases: list[tuple[str, SetCycle]], voltage: f
     axes.set(xlabel=reads("torque at the gearhead's output", unit), ylabel="speed there (rpm)")
     for text, side, to in (("drives", 3, "left"), ("brakes", -3, "right")):
         if text == "drives" or efficiency.torque[0] < 0.0:
-            style.beside(axes, text, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7)
+            style.text_off(axes, text, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7)
     style.outside(axes)
 
 

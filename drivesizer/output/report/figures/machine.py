@@ -123,7 +123,7 @@ def _path(axes: Axes, way: Way, colour: str, dashes: Any, size: Size | None, sca
     for a, b, marker, name in ends[: 1 if closed else 2]:
         axes.plot(a, b, marker=marker, markersize=5.5, markerfacecolor="white", markeredgewidth=1.2, color="black",
                   linestyle="none", zorder=5)  # fmt: skip
-        style.beside(axes, name, (a, b), (5, -5), va="top", fontsize=7, zorder=6)
+        style.text_off(axes, name, (a, b), (5, -5), va="top", fontsize=7, zorder=6)
 
 
 def _doorway(axes: Axes, passage: Passage) -> None:
@@ -139,7 +139,7 @@ def _doorway(axes: Axes, passage: Passage) -> None:
                    place + outer + half * along, place + outer - half * along]  # fmt: skip
         axes.add_patch(Polygon(corners, facecolor=COLOURS["grey"], edgecolor=COLOURS["grey"], linewidth=1.2, zorder=2))
     top = place + passage.width * (0.5 + _JAMB) * (aside if aside[1] >= 0.0 else -aside)
-    style.beside(axes, named(passage.name), tuple(top), (0, 3), ha="center", va="bottom", fontsize=6.8, zorder=6)
+    style.text_off(axes, named(passage.name), tuple(top), (0, 3), ha="center", va="bottom", fontsize=6.8, zorder=6)
 
 
 # -- A platform in the plane: its path, desired and driven, with errors along the way; speeds that its drives permit.

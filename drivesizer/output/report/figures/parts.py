@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import columns_of
-from drivesizer.catalog.parts import HELD, PullOuts
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.parts import CONSTANT_DRAWS, PullOuts
+from drivesizer.catalog.query import PartRow
 from drivesizer.machine.battery import pack_of, run_time
 from drivesizer.machine.part_curves import continuous_curve, gear_efficiency, line, nominal_voltage_curves
 from drivesizer.output.report.figures.picture import DASHED, DOTTED, MIXED, Curve, Diagram, Plot
@@ -23,7 +23,7 @@ from drivesizer.spec.sections import Battery
 from drivesizer.units import from_si, label, show
 
 Array = NDArray[np.float64]
-Made = Iterator[tuple[str, Plot]]
+NamedPlots = Iterator[tuple[str, Plot]]
 _POINTS = 121
 _TALL = 1.8  # in, of a diagram alone on paper
 _SUPPLIES = (24.0, 48.0)  # V, of a stepper without a printed curve
@@ -32,7 +32,7 @@ _COLOURS = ("blue", "vermillion", "green", "purple", "orange", "grey")
 _DASHES = ("solid", DASHED, DOTTED, MIXED)
 
 
-def part_plots(hit: Hit) -> dict[str, Plot]:
+def part_plots(hit: PartRow) -> dict[str, Plot]:
     """Curves of a part that its figures give, by a name."""
     return dict(_OF[hit.section](hit)) if hit.section in _OF else {}
 
@@ -49,7 +49,7 @@ def _alone(curves: list[Curve]) -> str:
 _READ = 3.0  # times the nominal torque, the end of the axis; a large motor's stall is at 40 times
 
 
-def reach_of(hit: Hit) -> float:
+def reach_of(hit: PartRow) -> float:
     """End of the torque axis [N*m]: stall, or less where stall is far beyond the nominal torque; NaN unknown."""
     ends, continuous = line(hit), continuous_curve(hit)[0]
     nominal = hit["nominal_torque"]
@@ -61,7 +61,7 @@ def reach_of(hit: Hit) -> float:
     return min([*([max(torques)] if torques else []), *([] if isnan(ends.torque) else [ends.torque])], default=nan)
 
 
-def _speeds(hit: Hit, unit: str, reach: float) -> Iterator[Curve]:
+def _speeds(hit: PartRow, unit: str, reach: float) -> Iterator[Curve]:
     """Speed over torque: the line, the continuous region, peak and nominal torque, as far as known."""
 
     def curve(name: str, torque: Sequence[float], speed: Sequence[float], **look: Any) -> Curve:
@@ -89,7 +89,7 @@ def _speeds(hit: Hit, unit: str, reach: float) -> Iterator[Curve]:
         yield curve(name, [nominal], [fast], colour="green", mark="o", joined=False)
 
 
-def _line_name(hit: Hit, ends: Any, start: float, reach: float) -> str:
+def _line_name(hit: PartRow, ends: Any, start: float, reach: float) -> str:
     schema = columns_of(hit.section)
 
     def shown(name: str) -> str:
@@ -104,7 +104,7 @@ def _line_name(hit: Hit, ends: Any, start: float, reach: float) -> str:
     return name
 
 
-def _motor(hit: Hit) -> Made:
+def _motor(hit: PartRow) -> NamedPlots:
     """Speed, current and efficiency over one axis of torque, of a motor or an actuator."""
     reach = reach_of(hit)
     unit = torque_unit(reach)
@@ -129,7 +129,7 @@ def _motor(hit: Hit) -> Made:
                                title=f"{names} over torque at nominal voltage")  # fmt: skip
 
 
-def _gearhead(hit: Hit) -> Made:
+def _gearhead(hit: PartRow) -> NamedPlots:
     """Efficiency over load where the torque without load is known, and permissible torques of its family over ratio."""
     reach = hit["intermittent_torque"] if hit["intermittent_torque"] > 0.0 else hit["continuous_torque"]
     if reach > 0.0 and not isnan(hit["no_load_torque"] + hit["efficiency"]):
@@ -157,7 +157,7 @@ def _gearhead(hit: Hit) -> Made:
                                    title=f"Permissible torque in {hit['family']} over ratio")  # fmt: skip
 
 
-def _stepper(hit: Hit) -> Made:
+def _stepper(hit: PartRow) -> NamedPlots:
     """Pull-out torque over speed: as printed, else of the model with its band."""
     own = hit.catalog.pull_outs.on(hit.catalog.pull_outs.stepper == hit.row)
     unit, curves = torque_unit(hit["holding_torque"]) if hit["holding_torque"] > 0.0 else "N*m", list[Curve]()
@@ -182,7 +182,7 @@ def pull_out_conditions(curve: PullOuts) -> str:
     return ", ".join(with_)
 
 
-def _modelled(hit: Hit, unit: str) -> Iterator[Curve]:
+def _modelled(hit: PartRow, unit: str) -> Iterator[Curve]:
     """Share of the ideal model at two supply voltages, and the band of the share."""
     known = {name: hit[name] for name in ("holding_torque", "phase_current", "resistance", "inductance")}
     teeth, (share, band) = rotor_teeth(hit["full_steps"]), PULL_OUT_SHARE
@@ -201,10 +201,10 @@ def _modelled(hit: Hit, unit: str) -> Iterator[Curve]:
         yield Curve(name=f"{supply} supply, {share:g} of the ideal model", x=rpm, y=torque, **_look(number))
 
 
-def _battery(hit: Hit) -> Made:
+def _battery(hit: PartRow) -> NamedPlots:
     """Run time over current or power: as printed, else of one cell or block by the rule that sizing uses."""
     own = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
-    for quantity, unit in HELD.items():
+    for quantity, unit in CONSTANT_DRAWS.items():
         known, curves = own.on(~np.isnan(getattr(own, quantity))), []
         for number, end in enumerate(np.unique(known.cutoff_voltage)):
             rows = known.on(known.cutoff_voltage == end)
@@ -232,6 +232,6 @@ def _run_times(curves: list[Curve], across: str, unit: str, title: str) -> Plot:
     return Plot(diagrams=[diagram], across=across, unit=unit, log=True, title=title)
 
 
-_OF: dict[str, Callable[[Hit], Made]] = {
+_OF: dict[str, Callable[[PartRow], NamedPlots]] = {
     "motors": _motor, "actuators": _motor, "gearheads": _gearhead, "steppers": _stepper, "batteries": _battery,
 }  # fmt: skip

@@ -144,7 +144,7 @@ def over_time(*diagrams: Diagram, windows: Sequence[Window], **more: Any) -> Plo
 
 _LINE = 0.16  # in, of a legend
 _LETTERS = 30  # of a line of a legend at the right
-_BESIDE = 2.05  # in, of such a legend
+_LEGEND_WIDTH = 2.05  # in, of such a legend
 _WIDE = 13  # letters of the name of a low diagram's axis on a line
 _HEIGHT_OF_A_NAME = 0.16  # of the axis
 _FEW = 60  # points that are marked each
@@ -163,7 +163,7 @@ def on_paper(figure: Figure, plot: Plot) -> None:
     low = max(heights) < 0.9  # names of axes on several lines
     name_of = _on_lines if right else _on_a_line if plot.columns > 1 else lambda curve: clean(curve.name)
     grid = style.placed(figure, sum(heights) + 0.5 + top - 0.1, len(heights), top=top, left=0.8 if low else 0.66,
-                        heights=heights, right=_BESIDE if right else 0.2)  # fmt: skip
+                        heights=heights, right=_LEGEND_WIDTH if right else 0.2)  # fmt: skip
     for (axes,), diagram in zip(grid, plot.diagrams, strict=True):
         draw(axes, diagram, strip, name_of)
         if low:
@@ -312,7 +312,7 @@ def _limits(axes: Axes, diagram: Diagram) -> None:
     for look, (text, value, below) in enumerate(inside):
         style.limit(axes, value, text, look, below=below)
     if beyond:
-        style.beside(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top")
+        style.text_off(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top")
 
 
 def _decades(axes: Axes, ends: tuple[float, float] | None) -> None:
@@ -336,7 +336,7 @@ def barred(figure: Figure, bars: Bars) -> None:
     left, right = bars.sides
     ((axes,),) = style.placed(figure, 0.175 * len(bars.rows) + 0.72, left=left, right=right, top=0.24)
     draw_bars(axes, bars)
-    style.beside(axes, bars.head, (1.0, 1.0), (5, 3), xycoords="axes fraction")
+    style.text_off(axes, bars.head, (1.0, 1.0), (5, 3), xycoords="axes fraction")
     if bars.marks:
         mark: Any = {"color": "black", "linewidth": 0.9, "marker": "|", "markersize": 7, "linestyle": "none"}
         looks = {name: line for line, name in zip(*axes.get_legend_handles_labels(), strict=True)}
@@ -354,9 +354,9 @@ def draw_bars(axes: Axes, bars: Bars) -> None:
         if isfinite(bar.mark):
             axes.plot([bar.mark] * 2, [place - 0.42, place + 0.42], color="black", linewidth=0.9, zorder=5)
         for at, text, off, to in ((bar.start, bar.left, -3, "right"), (bar.end, bar.right, 3, "left")):
-            style.beside(axes, text, (at, place), (off, 0), va="center", ha=to, fontsize=6.2, zorder=5,
+            style.text_off(axes, text, (at, place), (off, 0), va="center", ha=to, fontsize=6.2, zorder=5,
                          bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})  # fmt: skip
-        style.beside(axes, bar.said, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center")
+        style.text_off(axes, bar.said, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center")
         rooms.append([style.width(text, 6.2) + 6.0 if text else 0.0 for text in (bar.left, bar.right)])
     style.bars(axes, [short(clean(bar.name), _LONGEST) for bar in bars.rows])
     axes.axvline(bars.line, color="black", linewidth=1.2, zorder=4)
@@ -429,7 +429,7 @@ def scatter(figure: Figure, plot: Plot) -> None:
         for x, y, (text, side) in zip(curve.x, curve.y, curve.spots, strict=True):
             across, up = SIDES.get(side, (0.0, 0.0))
             if text:
-                style.beside(axes, text, (x, y), (_GAP * across, _GAP * up), ha=_ALIGNED[-across], va=_UPRIGHT[-up])
+                style.text_off(axes, text, (x, y), (_GAP * across, _GAP * up), ha=_ALIGNED[-across], va=_UPRIGHT[-up])
 
 
 _ALIGNED = {-1.0: "left", 0.0: "center", 1.0: "right"}

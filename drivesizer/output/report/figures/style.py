@@ -159,7 +159,7 @@ def heading(figure: Figure, handles: Any, names: Any, columns: int) -> None:
     figure.legend(handles, names, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
 
 
-def beside(axes: Axes, text: str, place: tuple[float, float], off: tuple[float, float], **look: Any) -> None:
+def text_off(axes: Axes, text: str, place: tuple[float, float], off: tuple[float, float], **look: Any) -> None:
     """A word, if there is one, some points off a place, which is in data unless ``xycoords`` says otherwise."""
     if text:
         axes.annotate(text, place, xytext=off, textcoords="offset points", **{"fontsize": 6.5, **look})
@@ -182,7 +182,7 @@ def reads(name: str, unit: str) -> str:
 def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = False) -> None:
     """A limit as a line across, named at its right end, above it or below."""
     axes.axhline(value, color="black", linewidth=0.7, linestyle=LIMITS[look % len(LIMITS)], zorder=2)
-    beside(axes, name, (1.0, value), (-2, -1.5 if below else 1.5), xycoords=("axes fraction", "data"), ha="right",
+    text_off(axes, name, (1.0, value), (-2, -1.5 if below else 1.5), xycoords=("axes fraction", "data"), ha="right",
            va="top" if below else "bottom", annotation_clip=False, zorder=6,
            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})  # fmt: skip
 
@@ -316,7 +316,7 @@ def across(axes: Axes, strip: Strip, *, titled: bool = False) -> None:
         places += strip.place(number, ticks).tolist()
         names += [f"{tick:.6g}" for tick in ticks]
         if titled:
-            beside(axes, window.title, (start, 1.0), (0, 4), xycoords=("data", "axes fraction"), fontsize=7.5)
+            text_off(axes, window.title, (start, 1.0), (0, 4), xycoords=("data", "axes fraction"), fontsize=7.5)
         if number:
             before = strip.windows[number - 1]
             end = strip.starts[number - 1] + before.end - before.start

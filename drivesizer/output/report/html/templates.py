@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import BytecodeCache
 from jinja2.bccache import Bucket
 
-from drivesizer.files.cache import cached_bytes, digest_of, folder, keep, kept
+from drivesizer.files.cache import cached, cached_bytes, digest_of, folder, keep
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -48,7 +48,7 @@ def _place(bucket: Bucket) -> Path:
 def packed(script: str) -> bytes:
     """A script as zlib packs it best, which takes a quarter of a second for a plotting library."""
     digest = digest_of(zlib.ZLIB_RUNTIME_VERSION.encode(), script.encode())
-    return kept(f"script-{digest}.z", lambda: zlib.compress(script.encode(), 9))
+    return cached(f"script-{digest}.z", lambda: zlib.compress(script.encode(), 9))
 
 
 # -- Typst mathematics as MathML, which browsers set themselves: it can be copied, read aloud, and follows the page.
