@@ -237,6 +237,7 @@ def plain_tree(path: Path) -> Node:
     root = read_tree(path)
     if path.suffix == ".xacro" or any(node.tag.startswith("xacro:") for node in root.children):
         urdf = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".urdf"
+        urdf = f"plain_{urdf}" if urdf == path.name else urdf  # a shell would empty the file before xacro reads it
         text = f"is xacro, of which its program makes URDF; expected URDF: ros2 run xacro xacro {path.name} > {urdf}"
         raise InputError(f"{path}: {text}")
     return root

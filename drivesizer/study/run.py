@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import product
+from itertools import chain, product
 from math import isnan, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.files.arithmetic import Expression
 from drivesizer.files.yaml_source import source_of, written
 from drivesizer.physics.extremes import undominated
 from drivesizer.results.sizing import frame_of
@@ -49,91 +48,88 @@ Table = tuple[str, Sequence[Column], list[Row]]  # name of the file, columns, ro
 
 
 def answers(plan: Plan, rows: Callable[[], Iterable[Row]]) -> list[Table]:
-    """Tables that a study wants."""
-    goals, columns, tables = plan.answers, columns_of(plan), list[Table]()
-    if goals.by is not None:
-        tables.append(("best.csv", columns, _best(plan, rows(), goals.over, goals.by)))
+    """Tables that a study wants: their figures are made in one pass over all rows, and the rows picked in another."""
+    goals, columns, axes = plan.answers, columns_of(plan), plan.job.axes
+    figures = [*goals.front, *goals.influence, *([goals.by] if goals.by else [])]
+    if not figures:
+        return []
+    heads = [column.head for column in columns]
+    places = [heads.index(axis.head) for axis in axes]
+    places += [heads.index(head) for head in ("spec", "catalogs", "objective") if head in heads]
+    status, values, cells = heads.index("status"), list[list[float]](), list[list[Any]]()
+    for row in rows():
+        figure = row_figures(heads, row, spec_figures(plan.job, plan.variant(row[0])))
+        values.append([goal.value(figure) if row[status] in _GOOD else nan for goal in figures])
+        cells.append([row[place] for place in places])
+    table, numbers = np.array(values).reshape(-1, len(figures)), dict[str, list[int]]()
+    if goals.by:
+        kept = [n for n in range(len(places)) if n >= len(axes) or axes[n].name not in goals.over]
+        numbers["best.csv"] = _best(table[:, -1], [tuple(row[n] for n in kept) for row in cells])
     if goals.front:
-        tables.append(("front.csv", columns, _front(plan, rows, goals.front)))
+        numbers["front.csv"] = _front(table[:, : len(goals.front)])
+    of_tables = {n for few in numbers.values() for n in few}
+    picked = {n: row for n, row in enumerate(rows()) if n in of_tables} if of_tables else {}
+    tables: list[Table] = [(name, columns, [picked[n] for n in few]) for name, few in numbers.items()]
     if goals.influence:
-        tables.append(("influence.csv", INFLUENCE, _influence(plan, rows, goals.influence)))
+        of = table[:, len(goals.front) :]
+        lines = [_influence(plan, goal.text, of[:, n], cells) for n, goal in enumerate(goals.influence)]
+        tables.append(("influence.csv", INFLUENCE, [*chain(*lines)]))
     return tables
 
 
-def _value(plan: Plan, row: Row, expression: Expression) -> float:
-    """An expression over the figures of a row and of its variant's spec; NaN where the row has no drive."""
-    heads = [column.head for column in columns_of(plan)]
-    if row[heads.index("status")] not in _GOOD:
-        return nan
-    return expression.value(row_figures(heads, row, spec_figures(plan.job, plan.variant(row[0]))))
+def _best(values: NDArray[np.float64], keys: Sequence[tuple[Any, ...]]) -> list[int]:
+    """Place of the least value of each key; of equal ones that of the first."""
+    best: dict[tuple[Any, ...], int] = {}
+    for n, key in enumerate(keys):
+        if not isnan(values[n]) and (key not in best or values[n] < values[best[key]]):
+            best[key] = n
+    return [*best.values()]
 
 
-def _best(plan: Plan, rows: Iterable[Row], over: Sequence[str], by: Expression) -> list[Row]:
-    """The best row of each combination of all fields but some; the first of equal ones."""
-    heads = [column.head for column in columns_of(plan)]
-    fields = [axis.head for axis in plan.job.axes if axis.name not in over] + ["spec", "catalogs", "objective"]
-    places = [heads.index(head) for head in fields if head in heads]
-    best: dict[tuple[object, ...], tuple[float, Row]] = {}
-    for row in rows:
-        key, value = tuple(row[place] for place in places), _value(plan, row, by)
-        if not isnan(value) and (key not in best or value < best[key][0]):
-            best[key] = value, row
-    return [row for _, row in best.values()]
-
-
-def _front(plan: Plan, rows: Callable[[], Iterable[Row]], goals: Sequence[Expression]) -> list[Row]:
-    """Rows that no other beats in all goals, in the order of the first."""
-    values = np.array([[_value(plan, row, goal) for goal in goals] for row in rows()])
-    known = np.flatnonzero(~np.isnan(values).any(axis=1)) if len(values) else np.zeros(0, int)
+def _front(values: NDArray[np.float64]) -> list[int]:
+    """Places of rows that no other beats in all goals, in the order of the first."""
+    known = np.flatnonzero(~np.isnan(values).any(axis=1))
     front = known[undominated(-values[known])] if len(known) else known
-    numbers = {int(n) for n in front}
-    pairs = [(tuple(values[n]), row) for n, row in enumerate(rows()) if n in numbers]
-    return [row for _, row in sorted(pairs, key=lambda pair: pair[0])]
+    return sorted(front.tolist(), key=lambda n: tuple(values[n]))
 
 
-def _influence(plan: Plan, rows: Callable[[], Iterable[Row]], figures: Sequence[Expression]) -> list[Row]:
+def _influence(plan: Plan, figure: str, values: NDArray[np.float64], cells: Sequence[Sequence[Any]]) -> list[Row]:
     """Share of the variance of a figure that each field alone explains, and its means at both extremes.
 
     The correlation ratio, which of a full grid is the first-order index of Sobol (Saltelli et al., *Global Sensitivity
-    Analysis*, Wiley 2008, section 4.5); a sampled range is taken in ten parts.
+    Analysis*, Wiley 2008, section 4.5); of samples without what chance explains (Kelley, *PNAS* 21 (1935), p. 554),
+    a range in ten parts.
     """
-    heads, lines = [column.head for column in columns_of(plan)], list[Row]()
-    all_rows = list(rows())
-    for figure in figures:
-        values = np.array([_value(plan, row, figure) for row in all_rows])
-        known = np.flatnonzero(~np.isnan(values))
-        table = list[Row]()
-        for axis in plan.job.axes if len(known) else ():
-            cells = [all_rows[n][heads.index(axis.head)] for n in known.tolist()]
-            table.append([figure.text, axis.name, *_explained(cells, values[known], sampled=plan.shares is not None)])
-        lines += sorted(table, key=lambda row: (-row[2], row[1]))
-    return lines
+    known = np.flatnonzero(~np.isnan(values)).tolist()
+    lines = list[Row]()
+    for n, axis in enumerate(plan.job.axes if known else ()):
+        own = [cells[row][n] for row in known]
+        group, names = _parts(own) if axis.continuous else _groups(own)
+        count = np.bincount(group)
+        means = np.bincount(group, values[known]) / count
+        mean, least, most = values[known].mean(), int(means.argmin()), int(means.argmax())
+        whole = float(((values[known] - mean) ** 2).sum())
+        share = float((count * (means - mean) ** 2).sum()) / whole if whole > 0.0 else 0.0
+        if plan.shares is not None and len(known) > len(count):
+            share = max(1.0 - (1.0 - share) * (len(known) - 1) / (len(known) - len(count)), 0.0)
+        ends = (float(f"{means[least]:.12g}"), names[least], float(f"{means[most]:.12g}"), names[most])
+        lines.append([figure, axis.name, round(share, 6), *ends])
+    return sorted(lines, key=lambda line: (-line[2], line[1]))
 
 
-def _explained(cells: Sequence[object], values: NDArray[np.float64], *, sampled: bool) -> Row:
-    """Share of the variance between the groups of some cells, and the least and greatest mean of a group."""
+def _groups(cells: Sequence[Any]) -> tuple[NDArray[np.int64], list[str]]:
+    """The group of each cell, those of equal values, and the value of each group."""
     numeric = all(isinstance(cell, int | float) for cell in cells)
-    if sampled and numeric:
-        order = np.argsort(np.argsort(np.array(cells, float), kind="stable"), kind="stable")
-        group = order * _PARTS // len(cells)
-        names = [f"{np.array(cells, float)[group == n].mean():.4g}" for n in range(int(group.max()) + 1)]
-    else:
-        groups = sorted(set(cells)) if numeric else list(dict.fromkeys(cells))  # type: ignore[type-var]
-        group = np.array([groups.index(cell) for cell in cells])
-        names = [f"{cell:g}" if isinstance(cell, int | float) else str(cell) for cell in groups]
-    count = np.bincount(group)
-    means = np.bincount(group, values) / count
-    whole = float(((values - values.mean()) ** 2).sum())
-    between = float((count * (means - values.mean()) ** 2).sum())
-    least, most = int(means.argmin()), int(means.argmax())
-    share = between / whole if whole > 0.0 else 0.0
-    return [
-        float(f"{share:.6g}"),
-        float(f"{means[least]:.12g}"),
-        names[least],
-        float(f"{means[most]:.12g}"),
-        names[most],
-    ]
+    names = [*dict.fromkeys(sorted(cells) if numeric else cells)]
+    place = {cell: n for n, cell in enumerate(names)}
+    return np.array([place[cell] for cell in cells]), [f"{name:g}" if numeric else str(name) for name in names]
+
+
+def _parts(cells: Sequence[float]) -> tuple[NDArray[np.int64], list[str]]:
+    """The group of each figure, ten of as many each, and the mean of each group."""
+    figures = np.array(cells, float)
+    group = np.argsort(np.argsort(figures, kind="stable"), kind="stable") * _PARTS // len(cells)
+    return group, [f"{figures[group == n].mean():.4g}" for n in range(int(group.max()) + 1)]
 
 
 _TASKS = 128  # at least, where there are as many points

@@ -290,8 +290,9 @@ def test_every_joint_of_a_description_is_an_axis(tmp_path):
     assert positions["shoulder"].value == pytest.approx(-0.7 - 0.75, rel=1e-3)  # a quarter of 3 rad from the middle
 
 
-def test_xacro_is_refused_with_the_command_that_makes_urdf_of_it(tmp_path):
-    path = tmp_path / "arm.urdf.xacro"
+@pytest.mark.parametrize(("name", "made"), [("arm.urdf.xacro", "arm.urdf"), ("arm.urdf", "plain_arm.urdf")])
+def test_xacro_is_refused_with_the_command_that_makes_urdf_of_it(tmp_path, name, made):
+    path = tmp_path / name
     path.write_text('<robot name="a" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:include filename="b"/></robot>')
-    with pytest.raises(InputError, match=r"is xacro.*expected URDF: ros2 run xacro xacro arm.urdf.xacro > arm.urdf$"):
+    with pytest.raises(InputError, match=rf"is xacro.*expected URDF: ros2 run xacro xacro {name} > {made}$"):
         spec_of(path)

@@ -96,6 +96,18 @@ def test_the_influence_of_a_sum_is_the_share_of_its_variance(done):
     assert share["time", "load.mass"] == 0.0
 
 
+def test_the_influence_of_a_list_is_that_of_its_entries_in_a_sample_too():
+    """A figure that is a field: all of its variance is between the entries of that field, next to none of another."""
+    found = size_variants(
+        YamlSource(CHEAP, "robot").data,
+        {"load.driven_wheels": [2, 4], "load.mass": {"from": "20 kg", "to": "30 kg"}},
+        sampling={"latin_hypercube": 40, "seed": 1}, influence=["load.driven_wheels"],
+    )  # fmt: skip
+    wheels, mass = found.answers["influence"]
+    assert [wheels[name] for name in ("field", "share", "least_at", "most_at")] == ["load.driven_wheels", 1.0, "2", "4"]
+    assert mass["share"] < 0.1
+
+
 def test_a_drive_beyond_a_limit_fails_with_it(tmp_path):
     study = "spec: robot.yaml\nvary: {load.mass: [30 kg, 60 kg]}\nrequire: [load.mass <= 45 kg, price <= 9000 EUR]\n"
     plan = read_study(laid(tmp_path, study))
