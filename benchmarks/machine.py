@@ -16,7 +16,7 @@ from pathlib import Path
 from goals import line
 from second_start import second_start
 
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.sizing import size
 from drivesizer.spec.machine import load_machine
 

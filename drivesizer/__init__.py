@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from drivesizer.codesign.answer import design
     from drivesizer.control.validation import Validation
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
-    from drivesizer.multi_axis.sizing import size_machine
+    from drivesizer.multi_axis import size_machine
     from drivesizer.output.report.csv import tables
     from drivesizer.physics.load_cycle import LoadCycle
     from drivesizer.prediction.bench import predict_set as predict
@@ -81,7 +81,7 @@ _HOME = {  # module, and the name in it where that is another; modules themselve
     "load_spec": "spec.robot",
     "predict": "prediction.bench:predict_set",
     "size": "sizing",
-    "size_machine": "multi_axis.sizing",
+    "size_machine": "multi_axis",
     "size_variants": "study.run",
     "tables": "output.report.csv",
     "validate": "simulate",

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.expressions import value
+from drivesizer.catalog.laws import value
 from drivesizer.catalog.tables import Catalog, Estimates, Table, as_printed
 from drivesizer.files.text import listed
 from drivesizer.files.yaml_source import shipped_data

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import tables
 from drivesizer.catalog.estimates import MOUNTED, UNRATED, estimates, estimates_of_catalog
-from drivesizer.catalog.expressions import value
+from drivesizer.catalog.laws import value
 from drivesizer.catalog.parts import DIRECT, NAMES, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, filled, with_pairs, with_rows
 from drivesizer.catalog.tolerances import usual_of_spur_gears

@@ -23,7 +23,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.study.figures import NAMED, kind_of_figure, row_figures
 from drivesizer.study.plan import Axis, Variant
 from drivesizer.study.rows import forget_files, spec_figures
-from drivesizer.study.workers import Progress, cores, workers
+from drivesizer.study.run import Progress, cores, workers
 from drivesizer.units import KINDS, show
 
 _FIGURES = ("mass", "price", "energy", "time", "autonomy", "range")

@@ -41,7 +41,7 @@ from drivesizer.study import store as folders
 from drivesizer.study.figures import NAMED, row_figures
 from drivesizer.study.plan import Variant
 from drivesizer.study.rows import Row, spec_figures
-from drivesizer.study.workers import Progress, Workers, computed
+from drivesizer.study.run import Progress, Workers, computed
 
 Values = tuple[Any, ...]  # of the free figures, as they go into the spec
 _WORST = 1e30  # before every machine within the limits

@@ -161,7 +161,7 @@ def load(
 ) -> MachineSpec:
     """A machine, of which a plain spec is one axis; catalogues are added, whose paths count from the current folder."""
     from drivesizer.catalog import path_of, shipped
-    from drivesizer.multi_axis.sizing import alone
+    from drivesizer.multi_axis import alone
     from drivesizer.spec.machine import is_machine, load_any
 
     if path == DEFAULT and not path.exists():
@@ -217,7 +217,7 @@ def sized(
     pareto: str | None = None, choices: int = 0,
 ) -> MachineSizing:  # fmt: skip
     """Size all axes of a machine."""
-    from drivesizer.multi_axis.sizing import size_machine
+    from drivesizer.multi_axis import size_machine
     from drivesizer.search.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
 

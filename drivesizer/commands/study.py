@@ -34,7 +34,7 @@ def study(
     report: common.Report = None,
 ) -> None:
     """Size every variant of a spec: tables and maps; the same command resumes after an interruption."""
-    from drivesizer.study.workers import one_thread_each
+    from drivesizer.study.run import one_thread_each
 
     common.accept_reports(report)
     target = Path(path.stem) if folder is None else folder
@@ -92,7 +92,7 @@ def design(
     report: common.Report = None,
 ) -> None:
     """Find the best machine with its drive: free figures, limits, a front; what holds it and what may be rounded."""
-    from drivesizer.study.workers import one_thread_each
+    from drivesizer.study.run import one_thread_each
 
     common.accept_reports(report)
     with one_thread_each():  # before NumPy is loaded

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.yaml_source import Edit, YamlSource, edited, field_name
 from drivesizer.live.engine import EngineMemory, Piece, StoppedError
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.output.derivation import margin
 from drivesizer.output.document import records as doc
 from drivesizer.output.json.documents import as_text, plain

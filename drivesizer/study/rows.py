@@ -471,7 +471,7 @@ def _rows(
         spec = alike["spec"]
         drives = best(spec, parts(spec), objective=objective, top=job.top, pareto=job.pareto, alike=alike)
         return _drive_rows(job, head, drives)
-    from drivesizer.multi_axis.sizing import size_machine  # a spec of one axis needs nothing of machines
+    from drivesizer.multi_axis import size_machine  # a spec of one axis needs nothing of machines
 
     source = document_of(job, variant)
     robot = json.dumps(source.data.get("robot"), ensure_ascii=False)

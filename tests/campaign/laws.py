@@ -42,7 +42,7 @@ from laws_choice import more_to_choose_from, one_part, proposals
 from laws_machines import LOAD, WHOLE, Plain, backwards, catalogue, in_other_units, scaled_by, several_cases
 
 from drivesizer.errors import DrivesizerError, InputError
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet

@@ -15,7 +15,7 @@ from laws_machines import WHOLE, Plain, catalogue, machine, robot
 from drivesizer import sizing
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.machine import load_machine

@@ -22,7 +22,7 @@ from case import Case, laid
 from changes import damaged_bytes
 
 from drivesizer import cli
-from drivesizer.commands.ends import ended, parsed
+from drivesizer.cli import ended, parsed
 from drivesizer.files import cache, text
 from drivesizer.live.engine import EngineMemory, done
 from drivesizer.live.requests import REQUESTS, request_of

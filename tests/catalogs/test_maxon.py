@@ -9,8 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Motor, Table, load
-from drivesizer.catalog.expressions import solved
-from drivesizer.catalog.laws import IDENTITIES
+from drivesizer.catalog.laws import IDENTITIES, solved
 
 TURN = 2 * math.pi
 RPM = TURN / 60  # rad/s

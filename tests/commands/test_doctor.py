@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.commands import doctor
+from drivesizer.commands import setup
 
 RUN = CliRunner()
 
@@ -19,7 +19,7 @@ def by_subject(findings):
 
 
 def test_this_installation_works():
-    found = by_subject(doctor.examined())
+    found = by_subject(setup.examined())
     assert all(one.works for one in found.values()), [one for one in found.values() if not one.works]
     assert found["numpy"].found == metadata.version("numpy")
     assert {"Python", "cache", "catalogues", "closed loop", "figures", "PDF and fonts", "terminal"} <= found.keys()
@@ -53,7 +53,7 @@ def test_a_library_that_is_old_or_missing(version, monkeypatch):
             raise metadata.PackageNotFoundError(name)
         return version
 
-    monkeypatch.setattr(doctor.metadata, "version", version_of)
-    found = by_subject(doctor.examined())["typst"]
+    monkeypatch.setattr(setup.metadata, "version", version_of)
+    found = by_subject(setup.examined())["typst"]
     assert (found.works, found.found) == (False, version or "missing")
     assert found.remedy.startswith("pip install 'typst>=")

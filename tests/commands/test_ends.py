@@ -16,7 +16,6 @@ from small_catalogue import CATALOGUE
 from starters import STARTERS
 
 from drivesizer import cli
-from drivesizer.commands import ends
 from drivesizer.errors import InputError
 from drivesizer.files.writing import check_targets, new, write_files
 from drivesizer.output.export import files, one_axis
@@ -178,13 +177,13 @@ def test_whatever_fails_is_one_line_and_a_status(error, status, said, capsys, mo
     def failing():
         raise error
 
-    monkeypatch.delenv(ends.TRACEBACK, raising=False)
-    assert ends.ended(failing) == status
+    monkeypatch.delenv(cli.TRACEBACK, raising=False)
+    assert cli.ended(failing) == status
     err = capsys.readouterr().err
     assert said in err
     assert err.count("\n") == bool(said) and err.rstrip("\n").isprintable()
-    monkeypatch.setenv(ends.TRACEBACK, "1")
-    ends.ended(failing)
+    monkeypatch.setenv(cli.TRACEBACK, "1")
+    cli.ended(failing)
     assert "Traceback" in capsys.readouterr().err
 
 
@@ -193,7 +192,7 @@ def test_letters_that_a_stream_lacks_are_written_out(monkeypatch):
     for errors in ("strict", "surrogateescape"):
         out = io.TextIOWrapper(io.BytesIO(), encoding="ascii", errors=errors)
         monkeypatch.setattr(sys, "stdout", out)
-        assert ends.ended(lambda: print("20 °C")) == 0
+        assert cli.ended(lambda: print("20 °C")) == 0
         assert out.buffer.getvalue().decode() == "20 \\xb0C\n"
 
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from drivesizer import cli
 from drivesizer.commands.setup import starter
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.output.terminal.sizing import machine_sizing
 from drivesizer.spec.machine import load_machine
 

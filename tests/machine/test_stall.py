@@ -3,7 +3,7 @@
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.sizing import explain
 from drivesizer.spec.machine import load_machine
 from drivesizer.spec.robot import load_spec

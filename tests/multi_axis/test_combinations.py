@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from drivesizer.machine.common_supply import machine_power
+from drivesizer.multi_axis import size_machine
 from drivesizer.multi_axis.combinations import Choice, best_combination, cheapest_first
-from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.machine import load_machine
 

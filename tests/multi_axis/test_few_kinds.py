@@ -11,6 +11,7 @@ import pytest
 from small_arms import arm, every_combination
 
 from drivesizer.errors import InputError
+from drivesizer.multi_axis import size_machine
 from drivesizer.multi_axis.combinations import (
     Choice,
     Combination,
@@ -21,7 +22,6 @@ from drivesizer.multi_axis.combinations import (
     kind_of,
     within,
 )
-from drivesizer.multi_axis.sizing import size_machine
 
 ORDER = ("hand", "wrist", "elbow", "base")
 CARRIED = {axis: ORDER[:n] for n, axis in enumerate(ORDER)}

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from drivesizer.errors import InputError
+from drivesizer.multi_axis import size_machine
 from drivesizer.multi_axis.several import as_chosen, laden
-from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import size
 from drivesizer.spec.machine import load_machine

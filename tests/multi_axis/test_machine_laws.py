@@ -10,8 +10,8 @@ import pytest
 from bought_parts import together
 from small_arms import JOINTS, arm
 
+from drivesizer.multi_axis import size_machine
 from drivesizer.multi_axis.several import laden
-from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import size
 from drivesizer.spec.machine import load_machine

@@ -13,8 +13,8 @@ from refusals import refusal
 
 from drivesizer.errors import InputError
 from drivesizer.machine.common_supply import machine_power, shared_sections
+from drivesizer.multi_axis import size_machine
 from drivesizer.multi_axis.several import laden
-from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.parts import machine_parts_of_axes

@@ -16,7 +16,7 @@ from small_arms import arm, catalogue, least_of_all, two_joints
 from drivesizer.joints.mass_columns import joint_torques
 from drivesizer.machine.budgets import riding_mass
 from drivesizer.machine.problem import problem
-from drivesizer.multi_axis.sizing import alone, size_machine
+from drivesizer.multi_axis import alone, size_machine
 from drivesizer.output.export import machine_export
 from drivesizer.output.json.documents import as_text, report
 from drivesizer.results.machine import MachineSizing, of_one_axis

@@ -11,8 +11,8 @@ import pytest
 
 from drivesizer.machine.common_supply import machine_power
 from drivesizer.machine.problem import problem
+from drivesizer.multi_axis import size_machine
 from drivesizer.multi_axis.sampled_supply import over_tolerances
-from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.machine import load_machine

@@ -20,7 +20,7 @@ from small_arms import catalogue
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import Array, torques_of
 from drivesizer.load_cases import driven_shaft_cycle
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.output.export import MachineExport, export_of, machine_export, write
 from drivesizer.output.export import files as exported
 from drivesizer.output.export.common import torque_law

@@ -15,7 +15,7 @@ from forty_motors import catalogue
 from printed import blank_figures
 
 from drivesizer.machine.common_supply import machine_power
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.output.derivation import margin
 from drivesizer.output.document.axes import MachineContent, content_of, document_of
 from drivesizer.output.document.paper import paper_data

@@ -57,7 +57,7 @@ def files(machine: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[di
 
 @pytest.fixture(scope="module")
 def content(machine: Any) -> MachineContent:
-    from drivesizer.multi_axis.sizing import size_machine
+    from drivesizer.multi_axis import size_machine
 
     return MachineContent(*proven(size_machine(machine, top=1)))
 

@@ -15,7 +15,7 @@ from rows import hold
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.output.document.summary import not_enough
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import ranked_by

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.expressions import solved
-from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived
+from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived, solved
 from drivesizer.catalog.query import PartRow
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.catalog.view import search_view

@@ -12,7 +12,7 @@ from refusals import refusal
 
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_source import written
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis import size_machine
 from drivesizer.sizing import size
 from drivesizer.spec.machine import read_any
 from drivesizer.spec.robot import RobotSpec, load_spec

@@ -11,8 +11,7 @@ from studies import CHEAP, laid, results
 from drivesizer.study import run
 from drivesizer.study.plan import read_study
 from drivesizer.study.rows import columns_of
-from drivesizer.study.run import carry_out, refined
-from drivesizer.study.workers import computed
+from drivesizer.study.run import carry_out, computed, refined
 
 GRID = """\
 spec: robot.yaml

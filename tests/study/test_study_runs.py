@@ -14,7 +14,8 @@ import pytest
 from studies import FEW, MANY, halted, laid, ran, results, surroundings
 
 from drivesizer import cli
-from drivesizer.study import store, workers
+from drivesizer.study import run as study_run
+from drivesizer.study import store
 from drivesizer.study.store import locked
 
 WAIT = 120.0  # s, for a process to come so far
@@ -259,8 +260,8 @@ def without_maps(files):
 def test_a_scheduler_that_is_not_there_is_one_line_within_seconds(run, tmp_path, monkeypatch, address, said):
     pytest.importorskip("distributed")
     laid(tmp_path, FEW)
-    assert workers._PATIENCE <= 10.0  # s; here less of it: a port that nobody has is tried for as long
-    monkeypatch.setattr(workers, "_PATIENCE", 1.0)
+    assert study_run._PATIENCE <= 10.0  # s; here less of it: a port that nobody has is tried for as long
+    monkeypatch.setattr(study_run, "_PATIENCE", 1.0)
     start = time.monotonic()
     status, out, err = run("--scheduler", address)
     assert (status, out, err.count("\n")) == (2, "", 1)
