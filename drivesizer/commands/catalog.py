@@ -25,6 +25,7 @@ from drivesizer.commands.common import (
     whole_option,
 )
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.writing import new, ready, write_files
 from drivesizer.output.words import number_of
 
 if TYPE_CHECKING:
@@ -62,7 +63,6 @@ def known_section(section: str) -> str:
 def write_csv(path: Path, hits: list[PartRow]) -> None:
     """Write the parts of one section to a CSV file; nothing without parts."""
     from drivesizer.catalog.query import as_csv
-    from drivesizer.files.writing import write_files
 
     sections = list(dict.fromkeys(hit.section for hit in hits))
     if len(sections) > 1:
@@ -86,7 +86,6 @@ def export(
         write_csv(output, hits)
     elif output.suffix == ".json":
         from drivesizer.catalog.query import as_document
-        from drivesizer.files.writing import write_files
         from drivesizer.output.json.documents import as_text
 
         write_files({output: f"{as_text(as_document(shelf, hits))}\n".encode()})
@@ -123,7 +122,6 @@ def take_in(
     from drivesizer.catalog.importing import import_table, map_text, plan
     from drivesizer.catalog.laws import check as checked
     from drivesizer.files.sheets import sheets
-    from drivesizer.files.writing import new, write_files
     from drivesizer.output.document import catalogue
 
     if output is None and not dry_run:
@@ -195,7 +193,6 @@ def _one_of(text: str, known: Iterable[str]) -> None:
 
 def _target(output: Path, dry_run: bool = False) -> Path:
     """A catalogue file that can be written, or is only a name."""
-    from drivesizer.files.writing import ready
 
     if output.suffix not in (".yaml", ".yml"):
         raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .yaml")
@@ -217,7 +214,6 @@ def add(
     from drivesizer.catalog.importing import meant_by, on_shop_pages
     from drivesizer.catalog.laws import check as checked
     from drivesizer.catalog.typed import NAME, SHARED, typed_part, with_part
-    from drivesizer.files.writing import write_files
     from drivesizer.files.yaml_source import written
     from drivesizer.output.document import catalogue
 

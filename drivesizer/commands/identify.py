@@ -21,6 +21,7 @@ from drivesizer.commands.common import (
     number_option,
 )
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.writing import check_targets, ready, write_files
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -63,7 +64,6 @@ def predict(
 ) -> None:
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
     from drivesizer.errors import FieldError
-    from drivesizer.files.writing import ready, write_files
     from drivesizer.output.document.bench import bench_document
     from drivesizer.prediction.bench import predict_set
 
@@ -274,7 +274,6 @@ def compare(
 
 def _targets(output: list[Path] | None, data: str) -> list[Path]:
     """The files to write: figures, and data as YAML."""
-    from drivesizer.files.writing import check_targets
 
     for path in output or []:
         if path.suffix.lower() not in (*_PICTURES, *_SPECS):
@@ -288,7 +287,6 @@ def _answer(
     result: Identification | Comparison, files: dict[Path, bytes], report: list[Path] | None, *, json: bool
 ) -> None:
     """Print what was found, and write the files."""
-    from drivesizer.files.writing import write_files
 
     if json:
         common.print_json(result)

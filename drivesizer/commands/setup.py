@@ -20,7 +20,9 @@ import typer
 from drivesizer.commands import common
 from drivesizer.commands.common import DEFAULT, Json, OfAxis, at_a_terminal, file_argument, file_option
 from drivesizer.errors import DrivesizerError, InputError, nearest, quoted, reason_of
+from drivesizer.files.cache import CacheWarning, folder
 from drivesizer.files.text import shipped_folder
+from drivesizer.files.writing import new, write_files
 from drivesizer.version import __version__
 
 # -- Specs to start from: starters by kind of load, examples that ship, and a few questions at a terminal.
@@ -54,7 +56,6 @@ def examples() -> dict[str, Path]:
 
 def copy_example(name: str, output: Path) -> list[Path]:
     """Write an example, and the CSV and URDF files that it names beside it, where no such files are yet."""
-    from drivesizer.files.writing import write_files
 
     known = examples()
     if name not in known:
@@ -240,7 +241,6 @@ def init(
 
 def _draw(kind: str, path: Path) -> None:
     """Write the sketch of a kind of load."""
-    from drivesizer.files.writing import new
     from drivesizer.output.sketch import SKETCHES, sketch
 
     if kind not in SKETCHES:
@@ -273,7 +273,6 @@ def _start(text: str, output: Path) -> None:
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
-    from drivesizer.files.writing import new
 
     if output.name.isprintable():  # else no comment can hold it
         text = text.replace(_NEXT.format("robot.yaml"), _NEXT.format(output.name), 1)
@@ -395,7 +394,6 @@ def _number(version: str) -> list[int]:
 
 
 def _cache() -> Iterator[Finding]:
-    from drivesizer.files.cache import folder
     from drivesizer.output.words import number_of
 
     place = folder()
@@ -414,7 +412,6 @@ def _cache() -> Iterator[Finding]:
 
 def _catalogues() -> Iterator[Finding]:
     from drivesizer.catalog import load
-    from drivesizer.files.cache import CacheWarning
     from drivesizer.output.words import number_of
 
     with warnings.catch_warnings():

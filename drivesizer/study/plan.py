@@ -537,7 +537,8 @@ class Plan:
         """Spec and places of a point of a grid; points count from 0, those that refinement added come last."""
         if point >= self.points:
             return 0, self.added[point - self.points]
-        spec, *places = _digits(point, [len(self.job.specs), *(len(axis.values) for axis in self.job.axes)])
+        sizes = len(self.job.specs), *(len(axis.values) for axis in self.job.axes)
+        spec, *places = (int(place) for place in np.unravel_index(point, sizes))
         steps = zip(self.job.axes, places, strict=True)
         return spec, tuple(place * self.parts if axis.stepped else place for axis, place in steps)
 
@@ -545,19 +546,6 @@ class Plan:
         """The halving that added a variant; 0 before any."""
         ends = accumulate((self.points, *self.rounds))
         return sum((number - 1) // self.of_each >= end for end in ends)
-
-
-def _digits(number: int, sizes: Sequence[int]) -> list[int]:
-    """A number as places in lists of some sizes, the last of which changes fastest.
-
-    >>> _digits(5, (2, 3))
-    [1, 2]
-    """
-    places = []
-    for size in reversed(sizes):
-        number, place = divmod(number, size)
-        places.append(place)
-    return places[::-1]
 
 
 def read_study(path: str | Path) -> Plan:
