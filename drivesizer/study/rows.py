@@ -30,8 +30,9 @@ from drivesizer.search.shortlist import load_parts, shortlist
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.machine import is_machine, read_any
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.study.figures import SpecFigures, row_figures
+from drivesizer.study.figures import NAMED, SpecFigures, row_figures
 from drivesizer.study.plan import Job, Plan, Variant
+from drivesizer.units import KINDS
 from drivesizer.version import __version__
 
 if TYPE_CHECKING:
@@ -171,46 +172,29 @@ _MACHINE = (
 class Further(NamedTuple):
     """A figure of the machine with a drive in it: a column where a study or an expression names it."""
 
-    column: Column
     of_drive: Callable[[Problem, DriveSet, EnergyBudget | None], float]
-    of_machine: Callable[[MachineSizing], float]
+    of_machine: Callable[[MachineSizing], float] = lambda _: nan  # nothing of several axes
 
 
 def _of_battery(of: Callable[[EnergyBudget], float]) -> Callable[[MachineSizing], float]:
     return lambda sizing: of(sizing.power.energy) if sizing.power and sizing.power.energy else nan
 
 
-def _no_sum(sizing: MachineSizing) -> float:
-    """Nothing of several axes."""
-    return nan
-
-
 FURTHER = {
-    "time": Further(
-        Column("cycle_time_s", "number", "s"),
-        lambda problem, *_: float(problem.cases[0].cycle.duration.sum()), _machine_cycle,
-    ),
-    "autonomy": Further(
-        Column("autonomy_s", "number", "s"),
-        lambda *of: of[-1].autonomy if of[-1] else nan, _of_battery(lambda energy: energy.autonomy),
-    ),
-    "range": Further(
-        Column("range_m", "number", "m"),
-        lambda *of: of[-1].range if of[-1] else nan, _of_battery(lambda energy: energy.range),
-    ),
-    "moved_mass": Further(
-        Column("moved_mass_kg", "number", "kg"),
-        lambda problem, *_: getattr(problem.machine.load, "mass", nan), _no_sum,
-    ),
-    "joule_heat": Further(
-        Column("joule_heat_W", "number", "W"), lambda _, drive, __: objective_figure(drive, "joule_heat").value, _no_sum
-    ),
-    "peak_current": Further(
-        Column("peak_current_A", "number", "A"),
-        lambda _, drive, __: objective_figure(drive, "peak_current").value, _no_sum,
-    ),
-}  # fmt: skip
+    "time": Further(lambda problem, *_: float(problem.cases[0].cycle.duration.sum()), _machine_cycle),
+    "autonomy": Further(lambda *of: of[-1].autonomy if of[-1] else nan, _of_battery(lambda energy: energy.autonomy)),
+    "range": Further(lambda *of: of[-1].range if of[-1] else nan, _of_battery(lambda energy: energy.range)),
+    "moved_mass": Further(lambda problem, *_: getattr(problem.machine.load, "mass", nan)),
+    "joule_heat": Further(lambda _, drive, __: objective_figure(drive, "joule_heat").value),
+    "peak_current": Further(lambda _, drive, __: objective_figure(drive, "peak_current").value),
+}
 """Figures that a table has where they are wanted, by their names in expressions."""
+
+
+def _further_column(name: str) -> Column:
+    return Column(NAMED[name].column, unit=KINDS[NAMED[name].kind].si)
+
+
 MERIT = Column("merit")  # of a drive, by a function of a program's
 _MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
 _WHERE = Column("smallest_margin_axis", "text")
@@ -232,7 +216,7 @@ def columns_of(plan: Plan) -> tuple[Column, ...]:
 
 def result_columns(job: Job) -> tuple[Column, ...]:
     """The columns behind what varies: of a drive, or of a machine."""
-    more = (*(FURTHER[name].column for name in job.columns), *([MERIT] if job.merit else ()))
+    more = (*(_further_column(name) for name in job.columns), *([MERIT] if job.merit else ()))
     if job.machine and job.axis is None:
         drives = (Column(f"{name}.set", "text") for name in job.members)
         return (*_HEAD, *(column for column, _ in _MACHINE), *_MARGIN, _WHERE, *drives, *more, *_COUNTS, *_LAST)
@@ -281,7 +265,7 @@ def _further(job: Job, problem: Problem | None, drive: DriveSet) -> Row:
     if problem is None or not (job.columns or job.merit):
         return []
     energy = machine_budget(problem, drive).energy if {"autonomy", "range"} & {*job.columns} else None
-    cells: Row = [FURTHER[name].column.cell(FURTHER[name].of_drive(problem, drive, energy)) for name in job.columns]
+    cells: Row = [_further_column(name).cell(FURTHER[name].of_drive(problem, drive, energy)) for name in job.columns]
     return [*cells, MERIT.cell(float(job.merit(drive)))] if job.merit else cells
 
 
@@ -323,7 +307,7 @@ def _machine_row(job: Job, head: Row, sizing: MachineSizing) -> Row:
         *head, sizing.objective, 1 if sizing.status != "fail" else None, sizing.status,
         *(column.cell(of(sizing)) for column, of in _MACHINE), _MARGIN[0].cell(margin), check, axis,
         *(labels.get(name, "") for name in job.members),
-        *(FURTHER[name].column.cell(FURTHER[name].of_machine(sizing)) for name in job.columns),
+        *(_further_column(name).cell(FURTHER[name].of_machine(sizing)) for name in job.columns),
         sum(count.considered for count in counts), sum(count.feasible for count in counts),
         f"{lost.name}: {near.label}" if lost and near else "", "",
     ]  # fmt: skip
