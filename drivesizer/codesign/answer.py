@@ -226,7 +226,8 @@ def answer(
             rounded = _rounded(of, best, flat)
         return Answer(
             task=task, best=best, choice=best.choice() if best else None,
-            nearest=None if best else search.nearest_of(list(of.known.values())), flat=flat,
+            nearest=None if best else min(of.known.values(), key=lambda one: (one.excess, one.number), default=None),
+            flat=flat,
             front=tuple(search.front_of(of)), rounded=rounded, sized=of.sized, looked_at=len(of.known), whole=whole,
         )  # fmt: skip
 

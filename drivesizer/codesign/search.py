@@ -342,8 +342,3 @@ def best_of(machines: Sequence[Machine]) -> Machine | None:
     if not good:
         return None
     return min(good, key=lambda pair: (float(f"{pair[1].goals[0]:.9g}"), -pair[1].margin, pair[0].number))[0]
-
-
-def nearest_of(machines: Sequence[Machine]) -> Machine | None:
-    """The machine that is closest to being within the limits."""
-    return min(machines, key=lambda machine: (machine.excess, machine.number), default=None)

@@ -20,7 +20,7 @@ from drivesizer.spec.drive import OBJECTIVES, Select
 from drivesizer.spec.machine import is_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.sections import EXPRESSION, FREE, Design, open_figures
-from drivesizer.study.figures import NAMED, SpecFigures, columns_for, derived_fields, kind_of
+from drivesizer.study.figures import NAMED, SpecFigures, derived_fields, kind_of
 from drivesizer.study.plan import Axis, Expressions, Job, Place, Plan, StudyFile, axis_of, machine_job
 from drivesizer.study.rows import columns_of, result_columns
 from drivesizer.units import scale, to_si
@@ -128,7 +128,9 @@ def read_task(
         **of_machine,
     )  # fmt: skip
     names = [*names_in((minimise, *pareto, *limits)), "time", "autonomy", "range"]
-    job = replace(job, columns=columns_for(names, [column.head for column in result_columns(job)]))
+    heads = [column.head for column in result_columns(job)]  # other figures are further columns
+    further = dict.fromkeys(name for name in names if name in NAMED and NAMED[name].column not in heads)
+    job = replace(job, columns=tuple(further))
     plan = Plan(source=source, names=(source.name,), job=job, catalogs=("",), shares=None)
     return Task(
         source=source, plan=plan, free=axes, minimise=minimise, pareto=pareto, limits=limits, own_limits=own,

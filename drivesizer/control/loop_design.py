@@ -45,7 +45,7 @@ from drivesizer.units import show
 
 System = Any  # a control.StateSpace, which carries no types
 OUTPUTS = "current", "speed", "load_speed", "voltage", "angle"  # of the plant; angle: where it is wanted
-_SPEED, _ANGLE = 1, 4
+_SPEED = OUTPUTS.index("speed")
 
 
 def dc_motor(train: DriveTrain, mode: Mode, *, angle: bool = False) -> System:

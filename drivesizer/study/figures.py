@@ -281,11 +281,6 @@ def row_figures(heads: Sequence[str], row: Sequence[Any], of_spec: Callable[[str
     return figure
 
 
-def columns_for(names: Iterable[str], heads: Sequence[str]) -> tuple[str, ...]:
-    """Further columns of a table that some names of expressions need."""
-    return tuple(dict.fromkeys(name for name in names if name in NAMED and NAMED[name].column not in heads))
-
-
 def kind_of_figure(name: str, figures: SpecFigures) -> str:
     """The kind of quantity of a figure."""
     return NAMED[name].kind if name in NAMED else figures.place(name)[1]
