@@ -177,18 +177,18 @@ def pieces(
     Each piece is cut into ``cuts`` parts, or fewer, so that there are at most ``most`` where that is given; 0: pieces
     in a row that return nothing are one, as they are with ``merged`` where there are more than ``most``.
     """
-    count = _of_one(drive, cycle, _COUNT, 1, np.empty((0, len(Piece._fields))))[1]
+    table, columns = np.array([float(np.squeeze(x)) for x in drive])[None], _laid_out(cycle)
+    count = _of_one(table, columns, _COUNT, 1, np.empty((0, len(Piece._fields))))[1]
     if most:
         cuts = 0 if merged and count > most else max(1, min(cuts, most // count))
     rows = np.empty((count * max(cuts, 1), len(Piece._fields)))  # unused it takes no memory
-    figures = _of_one(drive, cycle, ACCOUNT, cuts, rows)[0]
+    figures = _of_one(table, columns, ACCOUNT, cuts, rows)[0]
     return figures, Piece(*rows[: int(figures.pieces[0])].T)
 
 
-def _of_one(drive: Drive, cycle: LoadCycle | Course, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
+def _of_one(table: Array, columns: Laid, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
     """One drive, and a number that is given back."""
-    table, figures = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
-    arrays, steps, segments, _ = _laid_out(cycle)
+    figures, (arrays, steps, segments, _) = np.empty((1, len(Figures._fields))), columns
     sizes = np.array([segments, level, cuts])
     number = compiled()(table, figures, *arrays, steps, np.zeros(1, np.int64), sizes, rows)
     return Figures(*figures.T), number
@@ -203,7 +203,10 @@ def _rows(
     compiled()(table[rows], figures[rows], *arrays, steps, samples[rows], np.array([*sizes, 1]), nothing)
 
 
-def _laid_out(cycle: LoadCycle | Course) -> tuple[list[Array], Whole, int, int]:
+Laid = tuple[list[Array], Whole, int, int]
+
+
+def _laid_out(cycle: LoadCycle | Course) -> Laid:
     """Columns as they lie in memory, steps from segment to segment, end to end and cycle to cycle, and both numbers."""
     columns = [cycle.duration, cycle.speed, cycle.acceleration, cycle.torque]
     several = max(x.shape[-1] for x in columns) if cycle.speed.ndim == 3 else 1

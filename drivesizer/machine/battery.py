@@ -529,15 +529,15 @@ def _battery_load(spec: RobotSpec, pack: Pack, others: Sequence[Consumption], dr
 # --- the budget
 
 
-def energy_budget(bus: Regenerated, axes: Sequence[AxisOnBus], catalog: Catalog) -> EnergyBudget:
-    """Consumers, autonomy and checks of a machine in one of its load cases."""
+def energy_budget(
+    bus: Regenerated, axes: Sequence[AxisOnBus], catalog: Catalog, *, brief: bool = False
+) -> EnergyBudget:
+    """Consumers, autonomy and checks of a machine in one of its load cases; in brief what has no limit is left out."""
     spec, drive = bus.spec, bus.power
     assert spec.battery is not None
-    pack, others, (lines, assumed) = pack_of(spec.battery, catalog), _equipment(spec), _drawing(bus, axes)
+    pack, others = pack_of(spec.battery, catalog), _equipment(spec)
     load, power = _battery_load(spec, pack, others, drive)
-    checks = battery_checks(spec, pack, load)
-    wear = float(drive.duration @ (1.0 / run_time(pack, power))) / drive.total  # as in a steady load, moment by moment
-    worn = 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
+    checks, (lines, assumed) = battery_checks(spec, pack, load), ([], []) if brief else _drawing(bus, axes)
     return EnergyBudget(
         battery=pack.name,
         start=pack.start,
@@ -553,13 +553,15 @@ def energy_budget(bus: Regenerated, axes: Sequence[AxisOnBus], catalog: Catalog)
         required=load.required,
         status=verdict(checks),
         checks=checks,
-        figures=_figures(spec, pack, load, worn * pack.available),
-        assumptions=_assumptions(spec, pack, assumed),
+        figures=() if brief else _figures(spec, pack, load, drive, power),
+        assumptions=() if brief else _assumptions(spec, pack, assumed),
     )
 
 
-def _figures(spec: RobotSpec, pack: Pack, load: Load, worn: float) -> tuple[Figure, ...]:
+def _figures(spec: RobotSpec, pack: Pack, load: Load, drive: DrivePower, power: Array) -> tuple[Figure, ...]:
     battery = pack.section
+    wear = float(drive.duration @ (1.0 / run_time(pack, power))) / drive.total  # as in a steady load, moment by moment
+    worn = 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
     mission = spec.mission.duration if spec.mission else nan
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
     charge_drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
@@ -580,7 +582,7 @@ def _figures(spec: RobotSpec, pack: Pack, load: Load, worn: float) -> tuple[Figu
         "charge_drawn": charge_drawn,
         "autonomy": load.full * pack.available,
         "autonomy_per_watt": less * pack.available,
-        "autonomy_worn": worn,
+        "autonomy_worn": worn * pack.available,
         "range": load.speed * load.full * pack.available,
         "charge_left": load.charge,
         "charging_time": charging,

@@ -325,8 +325,13 @@ def machine_requirements(spec: RobotSpec, *, brief: bool = False) -> MachineBudg
     return MachineBudget(*worst_case_budget(spec, brief=brief))
 
 
-def machine_budget(problem: Problem, drive: DriveParts, machine: MachineBudget | None = None) -> MachineBudget:
-    """The machine with a drive in it, against its budgets: with what is required of it whatever drives it."""
+def machine_budget(
+    problem: Problem, drive: DriveParts, machine: MachineBudget | None = None, *, brief: bool = False
+) -> MachineBudget:
+    """The machine with a drive in it, against its budgets: with what is required of it whatever drives it.
+
+    In brief without figures that have no limit.
+    """
     spec, catalog = problem.spec, problem.catalog
     checks, figures, masses = list[Check](), list[Figure](), tuple[MassRow, ...]()
     if spec.budget and spec.budget.weighs:
@@ -337,7 +342,8 @@ def machine_budget(problem: Problem, drive: DriveParts, machine: MachineBudget |
     if machine:
         checks += machine.checks
         figures += machine.figures
-    feeds = on_its_supply(problem, drive) if spec.battery or problem.machine.limits_the_bus else MachineBudget()
+    fed = spec.battery or problem.machine.limits_the_bus
+    feeds = on_its_supply(problem, drive, brief=brief) if fed else MachineBudget()
     checks += feeds.checks
     if spec.supply.stalled and not spec.on_common_bus:
         checks.append(stall_check(spec.supply, [(spec, drive)]))
@@ -346,7 +352,9 @@ def machine_budget(problem: Problem, drive: DriveParts, machine: MachineBudget |
     return MachineBudget(tuple(checks), tuple(figures), masses, feeds.energy, feeds.braking)
 
 
-def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus]) -> MachineBudget:
+def feeds_of(
+    spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus], *, brief: bool = False
+) -> MachineBudget:  # fmt: skip
     """Battery, brake resistor and power supply of a machine, of one axis or of several, in its load cases."""
     if spec.battery is None:
         volts = (axis.drive_set.controller.supply_max for axis in cases[0].axes if axis.drive_set.controller)
@@ -356,17 +364,17 @@ def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus]) -> M
         on_battery = spec.supply.kind == "battery"
         braking = None if on_battery else bus_budget(spec, catalog, [case.on_bus for case in cases], withstood)
         return MachineBudget(braking=braking, checks=braking.checks if braking else ())
-    energies = [(case.on_bus.case, energy_budget(case.on_bus, case.axes, catalog)) for case in cases]
+    energies = [(case.on_bus.case, energy_budget(case.on_bus, case.axes, catalog, brief=brief)) for case in cases]
     least = min((energy for _, energy in energies), key=lambda energy: (not isnan(energy.autonomy), energy.autonomy))
     return MachineBudget(energy=least, checks=worst_of_cases([(name, energy.checks) for name, energy in energies]))
 
 
-def on_its_supply(problem: Problem, drive: DriveParts) -> MachineBudget:
+def on_its_supply(problem: Problem, drive: DriveParts, *, brief: bool = False) -> MachineBudget:
     """Supply, battery and brake resistor of a machine of one axis with a drive."""
     axis = AxisPower("", problem, drive)
     cases = [(problem.name_of(numbers), problem.cases[numbers[0]].spec) for numbers in problem.machine_cases]
     buses = [common_bus(name, spec, [axis], synchronised=True, cycle_time=None) for name, spec in cases]
-    return feeds_of(problem.machine, problem.catalog, buses)
+    return feeds_of(problem.machine, problem.catalog, buses, brief=brief)
 
 
 def stall_current(spec: RobotSpec, drive: DriveParts) -> float:

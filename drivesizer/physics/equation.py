@@ -107,6 +107,8 @@ class Equation(Declared):
                 return self.formula(*args, **kwargs)
             except (TypeError, ValueError):
                 pass  # the reason is found below
+        elif types <= _PLAIN and (plain := _plain(self, args, kwargs)):
+            return _result(self, plain)
         try:
             by_name = not args and kwargs.keys() == {term.name for term in self.terms}
             arguments = kwargs if by_name else _signature(self.formula).bind(*args, **kwargs).arguments
@@ -135,10 +137,25 @@ _PLAIN = {float, int, np.float64, np.ndarray}
 _LARGEST = sys.float_info.max
 
 
+@cache
+def _ends(declared: Equation) -> dict[str, tuple[float, float]]:
+    """The least and the largest that a figure of each term may be."""
+    least = {term.name: 0.0 if _KIND_OF[term.unit] in _NEVER_BELOW_0 else -_LARGEST for term in declared.terms}
+    return {term.name: (least[term.name], 1.0 if term.factor else _LARGEST) for term in declared.terms}
+
+
+def _plain(declared: Equation, args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, float]:
+    """All arguments as single figures; none where one is missing, or beyond its ends."""
+    ends = _ends(declared)
+    figures = dict(zip(ends, args, strict=False)) | kwargs
+    if not (figures.keys() == ends.keys() and len(args) + len(kwargs) == len(ends)):
+        return {}
+    within = all(ends[name][0] <= figure <= ends[name][1] for name, figure in figures.items())
+    return {name: float(figure) for name, figure in figures.items()} if within else {}
+
+
 def _in_si(declared: Equation, value: Any, term: Term, with_units: bool) -> Any:
     """An argument as a number or array in SI."""
-    if type(value) is float and not with_units and 0.0 <= value <= (1.0 if term.factor else _LARGEST):  # most
-        return value
     kind = _KIND_OF[term.unit]
 
     def refused(fault: str) -> InputError:
@@ -207,7 +224,7 @@ def _result(declared: Equation, plain: dict[str, Any]) -> Any:
         result = _single(declared, **plain)
     except ValueError as error:
         raise InputError(f"{declared.label}: {error}; expected arrays of one length") from None
-    if np.ndim(result) or isfinite(result):
+    if isfinite(result) if isinstance(result, float) else np.ndim(result) or isfinite(result):  # most are floats
         return result
     zeros = [term for term in declared.terms if np.all(plain.get(term.name, 1.0) == 0.0)]
     blamed = [term for term in zeros if isfinite(_single(declared, **plain | {term.name: 1.0}))]

@@ -172,13 +172,20 @@ class Dynamics:
     distribution: Array  # (n, 3), D: torques of the driven wheels over force and moment on the platform
 
 
+@lru_cache(maxsize=256)
 def dynamics(platform: Platform) -> Dynamics:
     """The matrices of a platform."""
     k, p = kinematics(platform.wheels), platform
     M_R = eq.mass_matrix(p.mass, p.inertia + p.mass * (p.x**2 + p.y**2), p.x, p.y)
     M_phi = eq.wheel_inertias(np.array([w.inertia + w.rotor_inertia for w in p.wheels]))
     M, C = eq.inertia_matrix(M_R, k.E, M_phi), eq.coriolis_matrix(1.0, p.mass, p.x, p.y)
-    return Dynamics(p, k, M, C, np.linalg.pinv((k.E[list(k.driven)] @ k.motions).T) @ k.motions.T)
+    return Dynamics(p, k, M, C, _distribution(k))
+
+
+@lru_cache(maxsize=256)
+def _distribution(k: Kinematics) -> Array:
+    """Torques of the driven wheels over force and moment on a platform, whatever its mass."""
+    return np.linalg.pinv((k.E[list(k.driven)] @ k.motions).T) @ k.motions.T
 
 
 def signs(rows: Array, eta: Array, reach: float) -> Array:

@@ -86,10 +86,11 @@ def _turn(a: tuple[int, int], b: tuple[int, int], c: tuple[int, int]) -> int:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def _outward(platform: Platform) -> tuple[tuple[int, ...], Array, Array]:
+@lru_cache(maxsize=8)
+def _outward(contacts: tuple[tuple[float, float], ...]) -> tuple[tuple[int, ...], Array, Array]:
     """Hull, a unit vector outward of each edge (k, 2), and how far out the edge is along it (k,)."""
-    hull = support_polygon(platform)
-    here = np.array(platform.contacts)[list(hull)]
+    hull = _hull(contacts)
+    here = np.array(contacts)[list(hull)]
     along = np.roll(here, -1, axis=0) - here
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(along[:, 0], along[:, 1])[:, None]
     return hull, normal, (normal * here).sum(axis=1)
@@ -97,14 +98,14 @@ def _outward(platform: Platform) -> tuple[tuple[int, ...], Array, Array]:
 
 def edge_distances(platform: Platform, point: Any) -> Array:
     """Distances of a point inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside."""
-    _, normal, out = _outward(platform)
+    _, normal, out = _outward(tuple(platform.contacts))
     place = np.asarray(point, dtype=float)
     return np.asarray(out.reshape(-1, *[1] * (place.ndim - 1)) - np.tensordot(normal, place, axes=1))
 
 
 def tipping_edges(platform: Platform) -> tuple[TippingEdge, ...]:
     """The edges about which a platform can tip on a level floor, the nearest first."""
-    hull, normal, _ = _outward(platform)
+    hull, normal, _ = _outward(tuple(platform.contacts))
     distance = edge_distances(platform, (platform.x, platform.y))
     edges = zip(hull, (*hull[1:], hull[0]), distance, normal, strict=True)
     tipping = [
@@ -163,7 +164,7 @@ def lift_off_acceleration(platform: Platform, direction: float | None = None, gr
 
 def _tipping(platform: Platform, gravity: float) -> tuple[Array, Array]:
     """Distance of the platform inside each edge, times gravity, and the share that an acceleration takes off it."""
-    _, normal, _ = _outward(platform)
+    _, normal, _ = _outward(tuple(platform.contacts))
     inside = edge_distances(platform, (platform.x, platform.y))
     return inside * gravity, platform.height * normal
 
@@ -349,6 +350,7 @@ def translations(d: Dynamics) -> Array:
     return np.array([angle, angle + math.pi])
 
 
+@lru_cache(maxsize=1024)
 def grip_acceleration(
     d: Dynamics, friction: float, direction: float | None = None, *, slope: float = 0.0, gravity: float = 9.80665
 ) -> float:
@@ -392,6 +394,7 @@ def grip_acceleration(
     return min(_first_slip(before, after, friction), lifts)
 
 
+@lru_cache(maxsize=1024)
 def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> float:
     """Steepest slope that a platform climbs at a steady speed before a wheel slips, or something lifts off [rad]."""
     angles = np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS) if uphill is None else np.array([uphill])

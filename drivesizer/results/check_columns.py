@@ -149,8 +149,8 @@ class CheckColumn(NamedTuple):
 
     def on(self, rows: Whole | Mask | slice | int | tuple[()]) -> CheckColumn:
         """The same check of some of the candidates; of one as single figures."""
-        columns: dict[str, Alike] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
-        return self._replace(**columns)
+        columns: list[Alike] = [x[rows] if isinstance(x, np.ndarray) else x for x in self]
+        return CheckColumn(*columns)
 
     def with_rows(self, rows: Whole | Mask | tuple[()], part: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
@@ -219,8 +219,9 @@ def at_most(
     passed, failed = over[-1] <= least, over[0] > most
     at_high_end = None if least is most else failed & ~(most == least)
     limit = least if at_high_end is None else np.where(at_high_end, most, least)
-    if not (passed | failed).all() or np.isposinf(high).any():  # most columns are finite and known
-        endless, unlimited = high == np.inf, limit == np.inf
+    endless = high == np.inf
+    if not (passed | failed).all() or endless.any():  # most columns are finite and known
+        unlimited = limit == np.inf
         passed, failed = passed & ~endless, failed | (low == np.inf)  # it passes no limit, known or not
         # nothing is demanded, or without a limit any demand will do
         idle = (high == zero) & ~(over[-1] > limit) | (unlimited & ~endless)

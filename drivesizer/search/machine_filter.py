@@ -217,7 +217,8 @@ class InMachine:
         if key not in self._budgets:
             drive = *key, *(int(part[row]) for part in (whole.controller, whole.encoder, whole.brake))
             if drive not in self._memo:
-                self._memo[drive] = machine_budget(self.problem, drive_parts(whole, row), self.requirements)
+                parts = drive_parts(whole, row)
+                self._memo[drive] = machine_budget(self.problem, parts, self.requirements, brief=self.brief)
             self._budgets[key] = self._memo[drive]
         return self._budgets[key]
 
@@ -306,7 +307,7 @@ def passes_budgets(problem: Problem, drive: DriveParts) -> bool:
     machine = InMachine(problem, brief=True)
     if machine.requirements and machine.rejects(machine.requirements.checks):
         return False
-    return not machine.rejects(machine_budget(problem, drive, machine.requirements).checks)
+    return not machine.rejects(machine_budget(problem, drive, machine.requirements, brief=True).checks)
 
 
 def shortfall(short: Iterable[MachineBudget], better: int, *, any_passes: bool) -> list[str]:

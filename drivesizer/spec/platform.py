@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -126,6 +127,7 @@ class Omni(fields.Section):
         return [_place("omni", r * math.cos(a), r * math.sin(a), heading=a + math.pi / 2) for a in angles]
 
 
+@lru_cache(maxsize=64)
 def _place(kind: Kind, x: float, y: float, gamma: float | None = None, heading: float = 0.0) -> WheelPlace:
     return WheelPlace.model_construct(kind=kind, x=x, y=y, roller_angle=gamma, heading=heading)
 

@@ -486,7 +486,9 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> Robo
     spec.model_fields_set.intersection_update(data)
     of_spec = ((name, getattr(spec, name)) for name in RobotSpec.model_fields)
     known |= {
-        (name, axis): (data.get(name), section) for name, section in of_spec if isinstance(section, fields.Section)
+        (name, axis): (data.get(name), section)
+        for name, section in of_spec
+        if isinstance(section, fields.Section | list)
     }
     spec._source = source
     return spec

@@ -264,7 +264,7 @@ def _further(job: Job, problem: Problem | None, drive: DriveSet) -> Row:
     """Further figures of the machine with a drive in it, as far as the job wants some."""
     if problem is None or not (job.columns or job.merit):
         return []
-    energy = machine_budget(problem, drive).energy if {"autonomy", "range"} & {*job.columns} else None
+    energy = machine_budget(problem, drive, brief=True).energy if {"autonomy", "range"} & {*job.columns} else None
     cells: Row = [_further_column(name).cell(FURTHER[name].of_drive(problem, drive, energy)) for name in job.columns]
     return [*cells, MERIT.cell(float(job.merit(drive)))] if job.merit else cells
 

@@ -152,12 +152,16 @@ def parts_share(name: str, table: Table[Any], catalog: Catalog, *, alone: bool) 
     Unknown ones go by mass where nothing else counts: beside other figures a mass would be one more of them. Of what
     turns with the motor the inertia, where the objective is a figure of the motor's current.
     """
-    if name == "energy" and table.section == "brakes":
-        return np.asarray(np.nan_to_num(released_power(table), nan=LAST), float)
-    column = {"mass": "mass", "price": "price", "length": "added_length"}.get(name, "inertia")
-    if column not in table.columns or name == "power" or (name == "length" and table.section != "brakes"):
-        return np.zeros(len(table))
-    figure, of_motors = table[column], catalog.motors["rotor_inertia" if column == "inertia" else name]
-    typical = np.median(known) if len(known := of_motors[~np.isnan(of_motors)]) else 1.0
-    unknown = LAST + np.nan_to_num(table["mass"]) if alone else LAST
-    return np.where(np.isnan(figure), unknown, figure / typical)
+
+    def share() -> Array:
+        if name == "energy" and table.section == "brakes":
+            return np.asarray(np.nan_to_num(released_power(table), nan=LAST), float)
+        column = {"mass": "mass", "price": "price", "length": "added_length"}.get(name, "inertia")
+        if column not in table.columns or name == "power" or (name == "length" and table.section != "brakes"):
+            return np.zeros(len(table))
+        figure, of_motors = table[column], catalog.motors["rotor_inertia" if column == "inertia" else name]
+        typical = np.median(known) if len(known := of_motors[~np.isnan(of_motors)]) else 1.0
+        unknown = LAST + np.nan_to_num(table["mass"]) if alone else LAST
+        return np.where(np.isnan(figure), unknown, figure / typical)
+
+    return catalog.once(("share", name, alone), share, (table,))

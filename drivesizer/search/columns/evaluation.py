@@ -165,7 +165,7 @@ class Evaluation(NamedTuple):
 
     def tightest_of(self, index: int) -> tuple[Check, ...]:
         """Of the checks of one candidate the one with the smallest margin; empty where no margin hangs on the load."""
-        known = [(float(c.on(index)._replace(least=None).tightness), c) for c in self.checks]
+        known = [(float((c if c.least is None else c._replace(least=None)).tightness[index]), c) for c in self.checks]
         tightest, check = min(known, key=lambda pair: pair[0], default=(np.inf, None))
         return () if check is None or tightest == np.inf else (self._at(check, index),)
 
