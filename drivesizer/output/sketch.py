@@ -8,6 +8,7 @@ from math import cos, hypot, sin
 from typing import Any
 
 from drivesizer.files.yaml_source import shipped_data
+from drivesizer.units import label
 
 _WIDTH, _HEIGHT = 460, 204
 _LONGEST = 34  # letters beside a symbol, as wide as their column
@@ -130,7 +131,7 @@ class Pen:
             x, y = 20 + _WIDTH // 2 * (n % 2), _HEIGHT + 14 * (n // 2)
             look = f"{_FONT}; font-size: 9px; fill: {_INKS['black']}"
             self.parts.append(f'<text x="{x}" y="{y}" style="{look}; font-style: italic">{_lowered(symbol)}</text>')
-            words = f"{field.replace('_', ' ')} {text}".rstrip()
+            words = f"{field.replace('_', ' ')} {label(str(text))}".rstrip()
             words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
             self.parts.append(f'<text x="{x + 26}" y="{y}" style="{look}">{escape(words)}</text>')
         return -(-len(self.legend) // 2)

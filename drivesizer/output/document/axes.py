@@ -336,7 +336,7 @@ def loads(content: MachineContent) -> Iterator[doc.Block]:
         caption = doc.sentence("axes_fields", first=first, missed=missed)
         about = "sets the load of each axis against the limits of its motor." if name == names[0] else ""
         last = caption if name == names[-1] else "Continued below."
-        yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about)
+        yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about, floats=True)
 
 
 def supply(content: MachineContent) -> Iterator[doc.Block]:

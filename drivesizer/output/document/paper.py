@@ -53,7 +53,8 @@ def as_data(value: Any, axis: str = "") -> Any:
     )  # of equal parts that a page has several
     if isinstance(value, doc.Table):
         columns = [column for column in value.columns if column.media in doc.PAPER]
-        columns = [c for c in columns if c.head or any(row.cells.get(c.key, "") != "" for row in value.rows)]
+        if value.look != "checks":  # whose columns line up from group to group
+            columns = [c for c in columns if any(row.cells.get(c.key, "") != "" for row in value.rows)]
         return {
             "kind": "table", "name": f"{axis}{value.name}" if value.name else "", "look": value.look,
             "caption": as_data(value.caption, axis), "label": (doc.text_of(value.caption) + of).removeprefix(", "),

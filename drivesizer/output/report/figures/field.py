@@ -257,8 +257,9 @@ def _lines(field: OperatingField, unit: str, reach: float, *, plain: bool) -> li
 LEVELS = (30, 40, 50, 60, 65, 70, 75, 80, 83, 86, 88, 90, 92, 94, 96)  # %, of the lines that may be drawn
 _LEAST, _FEW = 3, 6  # of them: with less, as many even ones as there is room for
 _FINE = 48, 56  # points of the field in torque, each way, and in speed
-_CROWDED = 1.8  # power by which the torques crowd to 0, where the efficiency changes most
+_CROWDED = 1.8  # power by which torques and speeds crowd to 0, where the efficiency changes most
 _FAR_BEYOND_CYCLE = 4.0  # times the cycle's torque; a gearhead that is rated for more would leave the cycle no room
+_APART = 0.06  # of the field, between the names of lines
 _SHADES = ("#FFFFFF", "#CFE3F1")
 _MARKED = 200  # ends of segments that are marked each
 
@@ -289,7 +290,7 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
     top = _ROOM * (max(float(speed.max()) for *_, speed in traces) or 1.0)
     near = np.linspace(0.0, 1.0, _FINE[0]) ** _CROWDED
     torque = np.concatenate([left * near[:0:-1], right * near[1:]]) if left < 0.0 else right * near[1:]
-    speed = np.linspace(top / _FINE[1], top, _FINE[1])
+    speed = top * np.linspace(1.0 / _FINE[1], 1.0, _FINE[1]) ** _CROWDED
     return EfficiencyMap(torque, speed, operation(cases[0][1], torque, speed[:, None]), voltage, tuple(traces))
 
 
@@ -311,6 +312,22 @@ def efficiency_map(figure: Figure, cases: list[tuple[str, SetCycle]], voltage: f
         if text == "drives" or efficiency.torque[0] < 0.0:
             style.text_off(axes, text, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7)
     style.outside(axes)
+
+
+def _places(levels: Sequence[Sequence[Array]], field: Array) -> list[Array]:
+    """Places of the names of lines, apart from one another: half up the outer branch of each line.
+
+    The inner branches crowd where there is no torque.
+    """
+    places = list[Array]()
+    for line in (line / field for lines in reversed(levels) for line in lines):
+        lowest = int(line[:, 1].argmin())
+        outer = max(line[: lowest + 1], line[lowest:], key=lambda branch: float(np.ptp(branch[:, 0])))
+        reach = np.abs(outer - line[lowest]).sum(axis=1)
+        place = outer[int(np.abs(reach - 0.5 * reach.max()).argmin())]
+        if np.ptp(outer[:, 0]) > _APART and all(np.abs(place - other).max() > _APART for other in places):
+            places.append(place)
+    return [place * field for place in places]
 
 
 def _efficiency_lines(axes: Axes, efficiency: EfficiencyMap, unit: str) -> None:
@@ -335,7 +352,8 @@ def _efficiency_lines(axes: Axes, efficiency: EfficiencyMap, unit: str) -> None:
             continue
         axes.contourf(across[side], up, values, [0.0, *levels, 100.0], cmap=shades, zorder=0.5)
         lines = axes.contour(across[side], up, values, levels, colors=COLOURS["grey"], linewidths=0.6)
-        axes.clabel(lines, fmt="%g %%", fontsize=6.2, inline_spacing=2)
+        axes.clabel(lines, fmt="%g %%", fontsize=6.2, inline_spacing=2,
+                    manual=_places(lines.allsegs, np.array([np.ptp(across), up[-1]])))  # fmt: skip
     if not reached.all():
         edge = axes.contour(across, up, np.abs(efficiency.field.voltage), [efficiency.voltage], colors=COLOURS["blue"],
                             linewidths=1.1)  # fmt: skip

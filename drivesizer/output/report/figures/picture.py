@@ -312,7 +312,8 @@ def _limits(axes: Axes, diagram: Diagram) -> None:
     for look, (text, value, below) in enumerate(inside):
         style.limit(axes, value, text, look, below=below)
     if beyond:
-        style.text_off(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top")
+        style.text_off(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top",
+                       zorder=6)  # fmt: skip
 
 
 def _decades(axes: Axes, ends: tuple[float, float] | None) -> None:
