@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -29,14 +31,14 @@ from drivesizer.search.set_record import drive_parts, drive_set, other_checks
 from drivesizer.search.shortlist import load_parts, pair_of, problem_with_drive_mass, shortlist
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.drive import Choice, ControllerChoice, EncoderChoice, MotorChoice, Ranking
-from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.robot import RobotSpec, load_spec
 
 _MISSES = 3  # closest rejected, where a drive passes
 _ALTERNATIVES = 3  # drives of other motor families beside the best
 
 
 def size(
-    spec: RobotSpec,
+    spec: RobotSpec | str | Path | Mapping[str, Any],
     *,
     catalog: Catalog | None = None,
     top: int = 5,
@@ -54,7 +56,7 @@ def size(
     Parameters
     ----------
     spec
-        The machine.
+        The machine, or what ``load_spec`` makes it of: a file, or the same fields as a dict.
     catalog
         Parts to choose from; those that the spec names when not given.
     top
@@ -88,6 +90,7 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
+    spec = spec if isinstance(spec, RobotSpec) else load_spec(spec)
     spec = spec if load is None else spec.alone(load=ComputedLoad.with_cycle(load, spec.load.motors), motion=None)
     brief, catalog = brief or headline, load_parts(spec, catalog)
     spec = spec.with_select(spec.select.ranked_by(objective))

@@ -324,6 +324,11 @@ class Catalog:
             self._kept[key] = make(), of
         return self._kept[key][0]
 
+    def __repr__(self) -> str:
+        """Its catalogues, and how many parts of each family they have."""
+        counts = (f"{len(self.table(section))} {section}" for section in PARTS if len(self.table(section)))
+        return f"Catalog({', '.join(self.digests)}: {', '.join(counts)})"
+
     def __add__(self, other: Catalog) -> Catalog:
         """The parts of both; where both have one of a number, the other's must mean to replace it."""
         return joined([self, other])

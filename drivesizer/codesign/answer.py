@@ -19,6 +19,7 @@ from drivesizer.output.words import number_of
 from drivesizer.results.check import sentence_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import frame_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study.figures import NAMED, kind_of_figure, row_figures
 from drivesizer.study.plan import Axis, Variant
@@ -71,6 +72,15 @@ class Answer:
     def __str__(self) -> str:
         return text_of_blocks(self.blocks())
 
+    def rows(self) -> list[dict[str, Any]]:
+        """The machines of the front with their drives, or the best alone: free figures and the columns of a study."""
+        choices = [choice for _, choice in self.front] or ([self.choice] if self.choice else [])
+        return [dict(zip(self.task.heads, choice.row, strict=True)) for choice in choices]
+
+    def to_frame(self) -> Any:
+        """The same as a data frame of pandas."""
+        return frame_of(self.rows())
+
     def blocks(self) -> Iterator[doc.Block]:
         """Tables and sentences that say all of it."""
         yield doc.Words(_searched(self))
@@ -78,9 +88,11 @@ class Answer:
             yield doc.Words("No machine is within all limits.")
             if self.nearest is not None:
                 yield doc.Words(f"Closest: {_values(self, self.nearest)}; it fails on {_why(self.nearest.why)}.")
+                if "price" in self.nearest.why and self.nearest.why.endswith("unknown"):
+                    yield doc.Words("Prices count in euros, others by rates: select: {rates: {USD: 0.92 EUR}}.", "note")
             return
         goal = self.task.minimise
-        best = f"{_title(goal)}: {_figure(self, goal, self.choice.goals[0])}"
+        best = f"Best {_title(goal)}: {_figure(self, goal, self.choice.goals[0])}"
         yield doc.Table(best, _FREE, [doc.Row(cells) for cells in _free(self)])
         yield doc.table("words", "The drive", _drive(self, self.choice))
         if self.rounded and (choice := self.rounded.choice()):
@@ -99,7 +111,11 @@ def _searched(answer: Answer) -> str:
         more = f", {beyond:,} of which the spec alone puts beyond a limit" if beyond else ""
         more += f"; {left:,.0f} more cannot be better" if left > 0 else ""
         return f"All of {number_of(int(task.combinations), 'machine')} looked at{more}."
-    of = "any number" if isinf(task.combinations) else f"{task.combinations:.3g}"
+    of = (
+        "any number"
+        if isinf(task.combinations)
+        else f"{task.combinations:{',.0f' if task.combinations < 1e9 else '.3g'}}"
+    )
     free = number_of(len(task.free), "free figure")
     return (
         f"{number_of(answer.sized, 'machine')} sized of {of} that {free} allow; not all, so a better one may be left."
@@ -133,6 +149,10 @@ def _drive(answer: Answer, choice: Choice) -> Iterator[tuple[str, str]]:
     for name, label in sets.items():
         number = f"{row['drives']} of " if not name and row.get("drives", 1) != 1 else ""
         yield name or "drive", f"{number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
+    if row["unknown_checks"]:
+        names = row["unknown_checks"].split(" + ")
+        more = f", {len(names) - 3} more" if len(names) > 3 else ""
+        yield "unknown", "; ".join(_why(name) for name in names[:3]) + more
     of_spec = spec_figures(task.job, Variant(0, 0, answer.best.values, 0, 0, []))
     figure = row_figures(heads, choice.row, of_spec)
     figures = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _FIGURES if NAMED[name].column in row]
@@ -172,7 +192,9 @@ def _front(answer: Answer) -> doc.Table:
 
 
 def _title(expression: Expression) -> str:
-    return NAMED[expression.text].title if expression.text in NAMED else expression.text
+    """The figure's title, also where it is made large; an expression as it is written."""
+    name = expression.text.removeprefix("-")
+    return NAMED[name].title if name in NAMED else name if expression.names == (name,) else expression.text
 
 
 def _figure(answer: Answer, expression: Expression, value: float) -> str:

@@ -162,7 +162,7 @@ class Machines:
             unknown += [f"{goal.text}: unknown" for goal, value in zip(task.goals, goals, strict=True) if isnan(value)]
             beyond = [(by, text) for by, text in excesses if by > 1e-9]
             if unknown:
-                nearest = min(nearest, (20.0, unknown[0], row), key=lambda miss: miss[0])
+                nearest = min(nearest, (9.0, unknown[0], row), key=lambda miss: miss[0])
             elif beyond:
                 nearest = min(nearest, (sum(by for by, _ in beyond), max(beyond)[1], row), key=lambda miss: miss[0])
             else:

@@ -20,7 +20,7 @@ from drivesizer.spec.drive import OBJECTIVES, Select
 from drivesizer.spec.machine import is_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.sections import EXPRESSION, FREE, Design, open_figures
-from drivesizer.study.figures import NAMED, SpecFigures, derived_fields, kind_of
+from drivesizer.study.figures import NAMED, OF_BATTERY, SpecFigures, derived_fields, kind_of
 from drivesizer.study.plan import Axis, Expressions, Job, Place, Plan, StudyFile, axis_of, machine_job
 from drivesizer.study.rows import columns_of, result_columns
 from drivesizer.units import scale, to_si
@@ -28,10 +28,6 @@ from drivesizer.units import scale, to_si
 _RANGE = re.compile(r"\s*(?P<low>.+?)\s*\.\.\s*(?P<high>.+?)\s*")
 _EXAMPLE = "e.g. {free: 120 mm .. 250 mm, step: 10 mm}, or a choice, {free: [2, 4]}"
 _MERIT = "merit"
-_OF_BATTERY = {
-    "autonomy": "s",
-    "range": "m",
-}  # limits that the battery's section can say, so that drives are held to it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +126,7 @@ def read_task(
     names = [*names_in((minimise, *pareto, *limits)), "time", "autonomy", "range"]
     heads = [column.head for column in result_columns(job)]  # other figures are further columns
     further = dict.fromkeys(name for name in names if name in NAMED and NAMED[name].column not in heads)
-    job = replace(job, columns=tuple(further))
+    job = replace(job, columns=(*further, "unknown_checks"))
     plan = Plan(source=source, names=(source.name,), job=job, catalogs=("",), shares=None)
     return Task(
         source=source, plan=plan, free=axes, minimise=minimise, pareto=pareto, limits=limits, own_limits=own,
@@ -228,10 +224,10 @@ def _own_limits(data: Any, limits: Iterable[Limit]) -> tuple[tuple[Edit, ...], t
     battery, own, rest = data.get("battery"), list[Edit](), list[Limit]()
     for limit in limits:
         name = limit.of.text
-        if name in _OF_BATTERY and limit.sign == ">=" and isinstance(battery, dict):
+        if name in OF_BATTERY and limit.sign == ">=" and isinstance(battery, dict):
             bound = battery.get(name)
             if bound is None or to_si(bound, NAMED[name].kind) < limit.bound:
-                own.append(Edit(("battery", name), f"{limit.bound:.12g} {_OF_BATTERY[name]}"))
+                own.append(Edit(("battery", name), limit.text.partition(limit.sign)[2].strip()))
             continue
         rest.append(limit)
     return tuple(own), tuple(rest)

@@ -165,9 +165,9 @@ class Named(NamedTuple):
 
 
 NAMED = {
-    "mass": Named("machine_mass_kg", "mass", "kg", "mass of all drives", "mass"),
+    "mass": Named("machine_mass_kg", "mass", "g", "mass of all drives", "mass"),
     "price": Named("machine_price_EUR", "price", "EUR", "price of all drives", "price"),
-    "energy": Named("energy_J", "energy", "kJ", "energy per cycle", "energy"),
+    "energy": Named("energy_J", "energy", "J", "energy per cycle", "energy"),
     "margin": Named("smallest_margin", "dimensionless", "%", "smallest margin", "margin"),
     "time": Named("cycle_time_s", "time", "s", "time of a cycle"),
     "autonomy": Named("autonomy_s", "time", "h", "autonomy", "energy"),
@@ -177,6 +177,7 @@ NAMED = {
     "moved_mass": Named("moved_mass_kg", "mass", "kg", "mass that is moved"),
 }
 """By their names in expressions."""
+OF_BATTERY = ("autonomy", "range")
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import product
 from math import ceil, inf, isfinite, nan
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -217,10 +218,13 @@ def draw(figure: Figure, chart: Map, panels: dict[str, list[dict[str, Any]]], ov
     scale = _scale(chart, known or [0.0])
     count = 2 if len(panels) == 4 else min(len(panels), 3)
     lines, listed = ceil(len(panels) / count), len(numbers) + (others > 0)
+    width = int(_WIDE / count / _LETTER)
+    titles = [wrap(clean(title), width, max_lines=2, placeholder=" …") for title in panels]
+    tall = (_TALL if len(panels) > 1 else 2.7) + 0.13 * max(len(title) - 1 for title in titles)
     columns = 1 if listed <= _SHORT else 2
     figure.set_layout_engine("constrained")
     below = 0.15 * ceil(listed / columns)
-    figure.set_figheight(0.9 + lines * (_TALL if len(panels) > 1 else 2.7) + below)
+    figure.set_figheight(0.9 + lines * tall + below)
     figure.suptitle(chart.title, x=0.01, ha="left", fontsize=8, fontweight="bold")
     grid = figure.subplots(lines, count, squeeze=False, sharex=True, sharey=True)
     for n, axes in enumerate(grid.flat):
@@ -228,8 +232,8 @@ def draw(figure: Figure, chart: Map, panels: dict[str, list[dict[str, Any]]], ov
         if n + count >= len(panels):  # nothing is below it
             axes.set_xlabel(short(clean(over.across.head), 40))
             axes.tick_params(labelbottom=True)
-    for axes, (title, panel_rows) in zip(grid.flat, panels.items(), strict=False):
-        axes.set_title(short(clean(title), int(_WIDE / count / _LETTER)))
+    for axes, title, panel_rows in zip(grid.flat, titles, panels.values(), strict=False):
+        axes.set_title("\n".join(title))
         axes.grid(visible=False)
         colours = [_colour(chart, numbers, scale, row) for row in panel_rows]
         if over.up is None:

@@ -26,6 +26,7 @@ from drivesizer.spec.machine import is_machine, read_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.tolerances import has_tolerance, tolerance
 from drivesizer.study.figures import (
+    OF_BATTERY,
     Derived,
     SpecFigures,
     derived_fields,
@@ -80,7 +81,7 @@ class Best(Section):
     by: Annotated[str, Field(min_length=1)] = Field(description="what is made least: mass, price, or an expression")
 
 
-FurtherName = Literal["time", "autonomy", "range", "joule_heat", "peak_current", "moved_mass"]
+FurtherName = Literal["time", "autonomy", "range", "joule_heat", "peak_current", "moved_mass", "unknown_checks"]
 
 
 class StudyFile(Section):
@@ -635,6 +636,8 @@ class Expressions:
             for name in formula.names:
                 if name not in self.further:
                     kind_of_figure(name, self.figures)
+                if name in OF_BATTERY and "battery" not in self.figures.source.data:
+                    raise InputError(f"{quoted(text)}: {name} is by a battery; expected a section battery in the spec")
         except InputError as error:
             raise self.place.error(error, *path) from None
         return formula

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from itertools import chain, groupby, islice
@@ -21,7 +21,7 @@ from drivesizer.files.arithmetic import names_in
 from drivesizer.files.yaml_source import Path_, YamlSource, changed
 from drivesizer.machine.budgets import machine_budget
 from drivesizer.output.parts import unknown_of
-from drivesizer.results.check import worst
+from drivesizer.results.check import Check, worst
 from drivesizer.results.drive_set import DriveSet, EnergyBudget
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts, objective_figure, unknown_parts
@@ -172,12 +172,17 @@ _MACHINE = (
 class Further(NamedTuple):
     """A figure of the machine with a drive in it: a column where a study or an expression names it."""
 
-    of_drive: Callable[[Problem, DriveSet, EnergyBudget | None], float]
-    of_machine: Callable[[MachineSizing], float] = lambda _: nan  # nothing of several axes
+    of_drive: Callable[[Problem, DriveSet, EnergyBudget | None], Any]
+    of_machine: Callable[[MachineSizing], Any] = lambda _: nan  # nothing of several axes
 
 
 def _of_battery(of: Callable[[EnergyBudget], float]) -> Callable[[MachineSizing], float]:
     return lambda sizing: of(sizing.power.energy) if sizing.power and sizing.power.energy else nan
+
+
+def _unknown(checks: Iterable[Check]) -> str:
+    """Names of the checks that decide and are unknown."""
+    return " + ".join(dict.fromkeys(check.name for check in checks if check.status == "unknown" and not check.advice))
 
 
 FURTHER = {
@@ -187,12 +192,16 @@ FURTHER = {
     "moved_mass": Further(lambda problem, *_: getattr(problem.machine.load, "mass", nan)),
     "joule_heat": Further(lambda _, drive, __: objective_figure(drive, "joule_heat").value),
     "peak_current": Further(lambda _, drive, __: objective_figure(drive, "peak_current").value),
+    "unknown_checks": Further(
+        lambda _, drive, __: _unknown(drive.deciding),
+        lambda sizing: _unknown(chain(sizing.checks, *(axis.best.deciding for axis in sizing.axes if axis.best))),
+    ),
 }
-"""Figures that a table has where they are wanted, by their names in expressions."""
+"""Figures that a table has where they are wanted, by their names in expressions; and checks that are unknown."""
 
 
 def _further_column(name: str) -> Column:
-    return Column(NAMED[name].column, unit=KINDS[NAMED[name].kind].si)
+    return Column(NAMED[name].column, unit=KINDS[NAMED[name].kind].si) if name in NAMED else Column(name, "text")
 
 
 MERIT = Column("merit")  # of a drive, by a function of a program's
@@ -274,7 +283,7 @@ def _drive_rows(job: Job, head: Row, result: Best) -> list[Row]:
     counts = [result.counts.considered, result.counts.feasible]
     rows = []
     for drive in result.sets:
-        totals = [result.drives, *(result.drives * value for value in (drive.mass, drive.price))]
+        totals = [result.drives, *(result.drives * value for value in (drive.mass, _euros(drive)))]
         rows.append([
             *head, result.objective, drive.rank, drive.status, *(column.cell(of(drive)) for column, of in _DRIVE),
             *(column.cell(value) for column, value in zip(_TOTALS, totals, strict=True)), *_smallest_margin(drive),

@@ -149,7 +149,7 @@ class Store:
         elif before is not None and before != manifest:
             reason = _difference(before, manifest)
             raise InputError(
-                f"{folder}: holds results of another study ({reason}); --fresh begins anew, -o FOLDER keeps both"
+                f"{folder}: holds results of another study ({reason}); --fresh begins anew, another folder keeps both"
             )
         remove_files(folder.glob("results.*.part"))  # of a process that was killed while writing
         if fresh or before is None:

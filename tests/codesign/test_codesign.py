@@ -174,6 +174,20 @@ def test_the_spec_is_written_with_its_comments_and_sizes_as_it_was_found(folder)
     assert CliRunner().invoke(app, ["design", "--processes", "1", "--folder", "rows"]).stdout in run.stdout
 
 
+def test_a_limit_of_the_battery_is_written_as_it_was_said_and_checks_without_figures_are_named(folder):
+    """A battery without a voltage at rest: its checks at the peak are unknown, and the autonomy is Peukert's."""
+    block = "chemistry: lead-acid, nominal_voltage: 12 V, capacity: 7 A*h, rated_time: 20 h, peukert_exponent: 1.2"
+    limits = "{minimise: -autonomy, subject_to: [autonomy >= 2 h]}"
+    text = CART.replace("MASS", "40").replace("SLOPE", "0").replace("120 mm .. 240 mm, step: 40 mm", "[120 mm]")
+    text = re.sub("design: .*", f"design: {limits}", text).replace(
+        "nominal: 24 V", "nominal: 24 V, min: 20 V, max: 29 V"
+    )
+    found = best(folder, f"{text}battery: {{series: 2, {block}}}\n")
+    assert "autonomy: 2 h" in found.filled()
+    assert "Best autonomy: " in str(found)
+    assert re.search(r"unknown +battery power, largest; battery voltage at the peak", re.sub(r"\s+", " ", str(found)))
+
+
 @pytest.mark.slow
 def test_thirty_free_figures_are_told_not_to_be_searched_whole(folder):
     bodies = ["{shape: point, offset: 100 mm, mass: {free: 10 g .. 90 g}}"] * 29
@@ -197,6 +211,7 @@ def test_thirty_free_figures_are_told_not_to_be_searched_whole(folder):
         (("joule_heat,", "'().__class__',"), "robot.yaml:9: design.minimise"),
         (("joule_heat,", "mass, subject_to: [mass < 3 kg],"), "is no limit; expected e.g. autonomy >= 3 h"),
         (("joule_heat,", "mass, subject_to: [mass <= 3 s],"), "unit of time, not of mass"),
+        (("joule_heat,", "-autonomy,"), 'design.minimise: "-autonomy": autonomy is by a battery; expected a section'),
         (("0.02 kg*m^2", "{expression: 2 * load.inertia}"), "follows from itself"),
         (("0.02 kg*m^2", "{expression: 2 * load.width}"), "load.width"),
     ],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import drivesizer
-from drivesizer import LoadCycle, catalog, design, load_spec, size
+from drivesizer import LoadCycle, catalog, design, load_spec, size, size_variants
 from drivesizer.errors import InputError
 
 SPEC = {
@@ -60,6 +60,34 @@ def test_a_result_is_printed_short_and_has_its_drives_as_rows():
     assert [row["rank"] for row in rows[:3]] == [1, 2, 3]
     check = next(one for one in found.sets[0].checks if one.margin == one.margin)
     assert rows[0][f"margin {check.name}"] == check.margin
+
+
+def test_a_spec_may_be_its_fields_and_a_catalogue_is_printed_short():
+    assert str(size(SPEC, brief=True)) == str(size(load_spec(SPEC), brief=True))
+    assert repr(catalog.of(TABLE, name="own")) == "Catalog(own: 2 motors, 1 gearheads)"
+
+
+def test_machines_of_a_front_are_rows():
+    """The heavier the table, the dearer its drive or the same: both ends of a front of one figure against the other."""
+    free = {"load.inertia": ["0.02 kg*m^2", "0.05 kg*m^2"]}
+    found = design(SPEC, free=free, minimise="mass", pareto=["mass", "-load.inertia"])
+    assert [row["machine_mass_kg"] for row in found.rows()] == [choice.goals[0] for _, choice in found.front]
+    alone = design(SPEC, free=free, minimise="mass")
+    assert [row["load.inertia (kg*m^2)"] for row in alone.rows()] == [float(alone.values["load.inertia"].split()[0])]
+
+
+def test_a_price_in_another_currency_is_not_one_in_euros():
+    """345 USD are no 345 EUR: unknown without a rate, and by a rate what it makes of them."""
+    spec = {
+        "name": "elbow", "supply": {"nominal": "24 V", "accepts": "all"}, "transmission": [{"kind": "gearhead"}],
+        "load": {"kind": "arm", "mass": "1 kg", "length": "200 mm"}, "select": {"catalogs": ["myactuator"]},
+        "motion": {"speed": "90 deg/s", "acceleration_time": "0.4 s", "cruise_time": "1 s", "there_and_back": True},
+    }  # fmt: skip
+    rated = {**spec, "select": {**spec["select"], "rates": {"USD": "0.9 EUR"}}}
+    rows = [size_variants(one, {"load.mass": ["1 kg", "1.5 kg"]}).rows()[0] for one in (spec, rated)]
+    drive = size(spec, brief=True).sets[0]
+    assert drive.currency == "USD"
+    assert [row["machine_price_EUR"] for row in rows] == [None, pytest.approx(0.9 * drive.price)]
 
 
 def test_a_function_of_a_drive_is_made_least():
