@@ -246,10 +246,9 @@ def answer(
             if better is not None and better is not best:  # that a neighbour is
                 best, flat = better, tuple(_flatness(of, better))
             rounded = _rounded(of, best, flat)
+        closest = min(of.known.values(), key=lambda machine: (machine.excess, machine.number), default=None)
         return Answer(
-            task=task, best=best, choice=best.choice() if best else None,
-            nearest=None if best else min(of.known.values(), key=lambda one: (one.excess, one.number), default=None),
-            flat=flat,
+            task=task, best=best, choice=best.choice() if best else None, nearest=None if best else closest, flat=flat,
             front=tuple(search.front_of(of)), rounded=rounded, sized=of.sized, looked_at=len(of.known), whole=whole,
         )  # fmt: skip
 

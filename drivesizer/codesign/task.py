@@ -125,8 +125,8 @@ def read_task(
     )  # fmt: skip
     names = [*names_in((minimise, *pareto, *limits)), "time", "autonomy", "range"]
     heads = [column.head for column in result_columns(job)]  # other figures are further columns
-    further = dict.fromkeys(name for name in names if name in NAMED and NAMED[name].column not in heads)
-    job = replace(job, columns=(*further, "unknown_checks"))
+    columns = dict.fromkeys(name for name in names if name in NAMED and NAMED[name].column not in heads)
+    job = replace(job, columns=(*columns, "unknown_checks"))
     plan = Plan(source=source, names=(source.name,), job=job, catalogs=("",), shares=None)
     return Task(
         source=source, plan=plan, free=axes, minimise=minimise, pareto=pareto, limits=limits, own_limits=own,
