@@ -7,10 +7,12 @@ import math
 import random
 from collections import Counter
 from functools import cache
+from pathlib import Path
 
 import by_hand
 import numpy as np
 import pytest
+import yaml
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
@@ -42,60 +44,7 @@ s,rpm,N*m
 """
 
 TABLE = "rotary table, its rotor alone drives back"
-LOADS = {
-    "vehicle braking down a slope": """
-load: {kind: wheeled_vehicle, mass: 16 kg, driven_wheels: 2, wheel_diameter: 190 mm, rolling_resistance: 0.018,
-       slope: -7 deg, inertia: 45 kg*cm^2, friction_coefficient: 0.55}
-motion: {speed: 1.1 m/s, acceleration_time: 0.8 s, deceleration_time: 1.3 s, cruise_time: 6 s, rest_time: 2 s}
-transmission: [{kind: gearhead}, {kind: belt, ratios: [0.8, 1.35], efficiency: 0.92, pulley_diameter: 60 mm,
-                max_tension: 180 N, max_speed: 0.5 m/s}]
-supply: {nominal: 36 V, min: 30 V, max: 42 V, current: 11 A}
-environment: {ambient: 38 degC}
-margins: {torque: 7 %, speed: 4 %, temperature: 11 %}
-needs: {encoder_counts: 400, backlash_at_load: 1.3 deg}
-""",
-    "hoist lowering past its counterweight": """
-load: {kind: hoist, mass: 13 kg, counterweight: 4.5 kg, drum_diameter: 55 mm, falls: 2, rope_efficiency: 0.94,
-       friction_force: 6 N, inertia: 3 kg*cm^2, motors: 2}
-motion: {speed: 0.22 m/s, acceleration_time: 0.3 s, cruise_time: 2.2 s, rest_time: 1.7 s, there_and_back: true}
-transmission: [{kind: gearhead}, {kind: belt, ratio: 1.7, efficiency: 0.95}]
-supply: {nominal: 24 V, min: 21 V, max: 28 V, regeneration: 0.6, power: 70 W}
-environment: {ambient: 31 degC}
-needs: {length: 110 mm, mass: 500 g, diameter: 38 mm, price: 600 EUR, radial_load: 60 N}
-""",
-    "arm swinging through": """
-load: {kind: arm, mass: 2.2 kg, length: 280 mm, inertia: 0.21 kg*m^2, start_angle: -115 deg, friction_torque: 0.25 N*m}
-motion: {speed: 80 deg/s, acceleration_time: 0.2 s, cruise_time: 0.4 s, rest_time: 1.1 s, there_and_back: true}
-transmission: [{kind: gearhead}, {kind: belt, ratio: 2.2, efficiency: 0.96, stiffness: 900 N*m/rad}]
-supply: {nominal: 24 V, min: 22 V, max: 29 V, current: 6 A, power: 90 W}
-environment: {ambient: 27 degC}
-margins: {torque: 12 %, speed: 9 %}
-needs: {inertia_ratio: 30, resonance: 9 Hz}
-""",
-    "ball screw upright": """
-load: {kind: ball_screw, mass: 14 kg, lead: 16 mm, efficiency: 0.9, back_efficiency: 0.8, incline: 70 deg,
-       friction_coefficient: 0.01, friction_force: 12 N, preload_torque: 0.02 N*m, inertia: 0.5 kg*cm^2}
-motion: {speed: 0.12 m/s, acceleration_time: 0.25 s, cruise_time: 1.6 s, rest_time: 0.8 s, there_and_back: true}
-transmission: [{kind: gearhead}, {kind: belt, ratios: [0.75], efficiency: 0.9}]
-supply: {nominal: 45 V, min: 44 V, max: 46 V, capacitance: 90 mF}
-environment: {ambient: 12 degC}
-margins: {temperature: 20 %}
-""",
-    "recorded": """
-load: {kind: recorded, file: cycle.csv, inertia: 12 kg*cm^2}
-transmission: [{kind: gearhead}, {kind: belt, ratio: 0.7, efficiency: 0.93}]
-supply: {nominal: 24 V, min: 22 V, max: 26 V}
-""",
-    TABLE: """
-load: {kind: rotary_table, inertia: 0.02 kg*m^2, friction_torque: 0.9 N*m}
-motion: {profile: segments, segments: [{time: 0.2 s, to: 240 deg/s}, {time: 0.3 s, to: 0 deg/s}, {time: 0.5 s},
-         {time: 0.22 s, to: -230 deg/s}, {time: 0.31 s, to: 0 deg/s}, {time: 0.4 s}]}
-transmission: [{kind: gearhead}, {kind: belt, ratio: 2.5, efficiency: 0.94}]
-supply: {nominal: 24 V, min: 22 V, max: 26 V, capacitance: 0.4 mF}
-environment: {ambient: 45 degC}
-margins: {torque: 5 %}
-""",
-}
+LOADS = yaml.safe_load(Path(__file__).with_name("brute_force.yaml").read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from math import pi
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import yaml
 from rows import hold
 
 from drivesizer.errors import InputError
@@ -27,171 +29,18 @@ from drivesizer.spec.robot import RobotSpec, read_spec
 
 G, RPM = 9.80665, 2.0 * pi / 60.0
 
-# --- catalogues that people write from what shops print --------------------------------------------------------------
-
-SHOP = """catalog: 1
-manufacturer: Anymaker
-sources: {shop: {document: "shop page", date: "2015-01", confidence: secondary}}
-"""
-_PRINTED = ("[part, nominal_voltage (V), no_load_speed (rpm), no_load_current (A), stall_torque (N*m), "
-            "stall_current (A), mass (g)]")  # fmt: skip
-CATALOGUES = {
-    "vex393.yaml": f"""{SHOP}actuators:
-  - {{family: "393", source: shop, common: {{kind: brushed, gearing: spur}}, columns: {_PRINTED},
-     rows: [[VEX393, 7.2, 100, 0.37, 1.67, 4.8, 87]]}}
-""",
-    "mm.yaml": f"""{SHOP}motors:
-  - {{family: "550", source: shop, common: {{kind: brushed}}, columns: {_PRINTED},
-     rows: [[M550, 12, 19300, 1.4, 0.498, 85, 218]]}}
-compatibility: {{motor_gearhead: [{{source: shop, motors: ["550"], gearheads: [direct]}}]}}
-""",
-    "gm.yaml": f"""{SHOP}motors:
-  - {{family: gimbal, source: shop, common: {{kind: brushless}}, columns: {_PRINTED},
-     rows: [[GM5208, 12, 273, 0.09, 0.33, 0.79, 195], [GM8112, 12, 216, 0.13, 1.25, 2.4, 590]]}}
-compatibility: {{motor_gearhead: [{{source: shop, motors: [gimbal], gearheads: [direct]}}]}}
-""",
-    "nema17.yaml": f"""{SHOP}steppers:
-  - {{family: 17HS, source: shop, common: {{full_steps: 200}}, columns: [part, phase_current (A), holding_torque (N*m),
-     resistance (ohm), inductance (mH), rotor_inertia (g*cm^2), mass (g)],
-     rows: [[17HS4401, 1.7, 0.40, 1.5, 2.8, 54, 280], [17HS8401, 1.8, 0.52, 1.8, 3.2, 68, 365]]}}
-""",
-}
-CATALOGUES["tel.yaml"] = (
-    CATALOGUES["nema17.yaml"]
-    + """controllers:
-  - {family: TMC boards, source: shop, common: {drives: stepper}, columns: [part, supply_min (V), supply_max (V),
-     continuous_current (A), peak_current (A), microsteps], rows: [[TMC2209 board, 4.75, 29, 2, 2.8, 256]]}
-"""
-)
+_TEXTS = yaml.safe_load(Path(__file__).with_name("public_questions.yaml").read_text(encoding="utf-8"))
+SPECS = SimpleNamespace(**_TEXTS["specs"])
 
 
 @pytest.fixture(autouse=True)
 def _shops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, text in CATALOGUES.items():
+    for name, text in _TEXTS["catalogues"].items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
 
 
 # --- the questions ---------------------------------------------------------------------------------------------------
-
-UGV = """load: {kind: wheeled_vehicle, mass: 60 kg, driven_wheels: 4, wheel_diameter: 254 mm, rolling_resistance: 8 %,
-  slope: 10 deg, inertia: 200 kg*cm^2}
-motion: {speed: 2.2 m/s, acceleration_time: 4 s, cruise_time: 15 s, rest_time: 20 s}
-transmission: [{kind: direct}]
-supply: {nominal: 24 V, accepts: all}
-select: {catalogs: [beckhoff, maxon, rev]}"""
-WHEEL = """load: {kind: flywheel, inertia: 0.2 kg*m^2, friction_torque: 5 N*m}
-motion: {speed: 168 rpm, acceleration_time: 4 s, cruise_time: 120 s, rest_time: 20 s}
-environment: {ambient: %s degC}
-transmission: [{kind: direct}]
-supply: {nominal: 24 V, accepts: all}
-select: {catalogs: [beckhoff, maxon, rev], motor: {part: AM8011-wByz}}"""
-JOINT = """load: {kind: arm, mass: 8 kg, length: 1 m, start_angle: -60 deg}
-motion: {speed: 30 deg/s, acceleration_time: 0.5 s, cruise_time: 2.5 s, rest_time: 5 s, there_and_back: true}
-transmission: [{kind: direct}, {kind: gear, ratio: 10, efficiency: 75 %}]
-supply: {nominal: 12 V, current: 50 A, accepts: all}
-select: {catalogs: [banebots, roboteq]}"""
-ARM = """load: {kind: arm, mass: 12 kg, length: 500 mm}
-motion: {profile: move, law: poly5, distance: 90 deg, time: 1.2 s, rest_time: %s s, there_and_back: true}
-transmission: [{kind: direct}]
-supply: {nominal: 48 V, accepts: all}
-select: {catalogs: [tamagawa], objective: mass}"""
-SPIN = """load: {kind: flywheel, inertia: 20 kg*m^2}
-motion: {speed: 1000 rpm, acceleration_time: 0.2 s, cruise_time: 2 s, rest_time: 2 s}
-transmission: [{kind: direct}]
-supply: {nominal: 48 V, accepts: all}
-select: {catalogs: [fanuc, roboteq], objective: mass}"""
-FAN = """load: {kind: flywheel, inertia: 1 kg*cm^2, friction_torque: 0.25 N*m}
-motion: {speed: 5000 rpm, acceleration_time: 1 s, cruise_time: 10 s, rest_time: 1 s}
-transmission: [{kind: direct}]
-supply: {nominal: 48 V, current: 1 A, accepts: all}
-select: {catalogs: [tamagawa, maxon]}"""
-PRESS = """load: {kind: flywheel, inertia: 0.2 kg*m^2, friction_torque: 300 N*m}
-motion: {speed: 30 rpm, acceleration_time: 1 s, cruise_time: 100 s}
-transmission: [{kind: direct}]
-supply: {nominal: 325 V, accepts: all}
-select: {catalogs: [allen_bradley]}"""
-PLATFORM = """load: {kind: wheeled_vehicle, mass: 90 kg, driven_wheels: 2, wheel_diameter: 200 mm,
-  rolling_resistance: 8 %, slope: SLOPE, inertia: 60 kg*cm^2}
-motion: {speed: 0.6 m/s, acceleration_time: 1 s, cruise_time: 60 s, rest_time: 10 s}
-supply: {nominal: 12 V, current: 60 A, accepts: all}
-select: {catalogs: [maxon, cubemars, roboteq, basicmicro, mjbots], unknown: UNKNOWN}"""
-TRACKED = """load: {kind: wheeled_vehicle, mass: 200 lb, driven_wheels: 2, wheel_diameter: 8 in,
-  rolling_resistance: 0.08, slope: 0 deg, inertia: 60 kg*cm^2}
-motion: {speed: 0.6 m/s, acceleration_time: 1 s, cruise_time: 60 s, rest_time: 10 s}
-transmission: [{kind: gearhead}]
-supply: {nominal: 12 V, min: 11 V, max: 13.8 V, current: 60 A, accepts: all}
-equipment: [{name: computer, power: 20 W}]
-mission: {duration: 1 h}
-select: {catalogs: [maxon, allen_bradley, wittenstein, roboteq], objective: mass, unknown: reject}
-cases: [{name: ramp, load: {slope: 10 deg}}]"""
-BATTERY = """
-battery: {chemistry: lead-acid, nominal_voltage: 12 V, capacity: 8 A*h, rated_time: 20 h, parallel: 8,
-  cutoff_voltage: 10.5 V, resistance: 25 mohm, mass: 2.4 kg, autonomy: 2 h}"""
-AGV = """load: {kind: wheeled_vehicle, mass: 300 kg, driven_wheels: 2, wheel_diameter: 200 mm,
-  rolling_resistance: 1.5 %, inertia: 150 kg*cm^2}
-motion: {speed: 1.5 m/s, acceleration_time: 2 s, cruise_time: 20 s, rest_time: 33 s}
-transmission: [{kind: gearhead}]
-supply: {nominal: 48 V, min: 42 V, max: 54 V, regeneration: 50 %, kind: battery}
-needs: {hold_unpowered: true}
-select: {catalogs: [MAKERS], motor: {kind: brushless}, objective: price, unknown: reject}
-cases: [{name: up the ramp, load: {slope: 3 %}, motion: {cruise_time: 8 s}}]"""
-SERVO = """load: {kind: ball_screw, mass: 25 kg, incline: 90 deg, friction_force: 30 N, lead: 10 mm, efficiency: 0.9,
-  inertia: 0.7 kg*cm^2}
-motion: {profile: move, distance: 400 mm, time: 0.8 s, rest_time: 1.2 s, there_and_back: true}
-transmission: [{kind: direct}]
-supply: {nominal: 325 V, accepts: all}
-needs: {inertia_ratio: 5, hold_unpowered: true}
-select: {catalogs: [MAKERS], motor: {kind: brushless}}"""
-LIFTER = """load: {kind: arm, mass: 3 lb, length: 4 in, start_angle: 0 deg}
-motion: {profile: move, distance: 80 deg, time: 0.8 s, rest_time: 20 s, there_and_back: true}
-transmission: [{kind: gearhead}]
-supply: {nominal: 12 V, accepts: all}
-select: {catalogs: [pololu, basicmicro], motor: {part: "37D 70:1 12 V"}}"""
-ELBOW = """load: {kind: arm, mass: 0.9 kg, length: 0.27 m, start_angle: -45 deg}
-motion: {speed: 60 deg/s, acceleration_time: 0.4 s, cruise_time: 1 s, rest_time: 2 s, there_and_back: true}
-supply: {nominal: 12 V, current: 10 A}
-select: {catalogs: [robotis], objective: mass}"""
-LIFT = """load: {kind: arm, mass: 11 lb, length: 14 in, start_angle: -45 deg, motors: 2}
-motion: {profile: trapezoid, speed: 20 deg/s, acceleration_time: 0.3 s, cruise_time: 4.2 s, rest_time: 5 s,
-  there_and_back: true}
-transmission: [{kind: gearhead}, {kind: gear, ratio: 15, efficiency: 90 %}]
-supply: {nominal: 7.2 V, accepts: all}
-select: {catalogs: [vex393.yaml], objective: mass}"""
-SPINDLE = """load: {kind: flywheel, inertia: 0.3 kg*cm^2, friction_torque: 0.05 N*m}
-motion: {speed: 8000 rpm, acceleration_time: 0.5 s, cruise_time: 10 s, rest_time: 10 s}
-transmission: [{kind: direct}]
-supply: {nominal: 12 V, accepts: all}
-select: {catalogs: [mm.yaml]}"""
-WINCH = """load: {kind: hoist, mass: 20 lb, drum_diameter: 2 in, rope_efficiency: 0.95}
-motion: {profile: trapezoid, speed: 4 in/s, acceleration_time: 0.3 s, cruise_time: 5 s, rest_time: 20 s}
-transmission: [{kind: direct}, {kind: gear, ratio: 12, efficiency: 90 %}]
-supply: {nominal: 12 V, current: 40 A, accepts: all}
-select: {catalogs: [MAKERS], motor: {part: CIM}}"""
-KRAKEN = """load: {kind: hoist, mass: 10 kg, drum_diameter: 50 mm}
-motion: {speed: 1 m/s, acceleration_time: 0.3 s, cruise_time: 0.7 s, rest_time: 5 s, there_and_back: true}
-transmission: [{kind: direct}, {kind: gear, ratio: 10, efficiency: 90 %}]
-supply: {nominal: 12 V, accepts: all}
-select: {catalogs: [ctre, rev, vex, andymark, swyft, thrifty], objective: mass}"""
-GIMBAL = """load: {kind: rotary_table, inertia: 0.02 kg*m^2, torque: 1.5 N*m}
-motion: {profile: hold, time: 60 s}
-transmission: [{kind: direct}]
-supply: {nominal: 12 V, current: 5 A, accepts: all}
-select: {catalogs: [gm.yaml]}"""
-BED = """load: {kind: lead_screw, mass: 1.261 kg, lead: 8 mm, thread_friction: 0.15, diameter: 8 mm,
-  root_diameter: 6.2 mm, length: 13 in, incline: 90 deg}
-motion: {speed: 60 mm/s, acceleration_time: 0.75 s, cruise_time: 1 s, rest_time: 2 s, there_and_back: true}
-transmission: [{kind: direct}]
-supply: {nominal: 24 V, accepts: all}
-select: {catalogs: [nema17.yaml], motor: {kind: stepper}}"""
-TELESCOPE = """load: {kind: rotary_table, inertia: 1.5 kg*m^2, friction_torque: 2 N*m, mass: 12 kg, eccentricity: 10 mm,
-  tilt: 45 deg}
-motion: {speed: 0.0334 rpm, acceleration_time: 2 s, cruise_time: 60 s, rest_time: 2 s}
-transmission: [{kind: direct}, {kind: worm, ratio: 43200, efficiency: 20 %}]
-supply: {nominal: 12 V, accepts: all}
-select: {catalogs: [tel.yaml], motor: {kind: stepper}}
-needs: {resolution_at_load: 1 arcsec}
-control: {microsteps: 8}"""
 
 _HEAT, _CURRENT = "winding_temperature", "motor_nominal_current"
 _LASTING, _SHORT, _VOLTS = "gearhead_continuous_torque", "gearhead_intermittent_torque", "supply_voltage"
@@ -200,50 +49,50 @@ _BOUND = dict.fromkeys(("controller_continuous_current", "controller_peak_curren
 # spec, drive (empty: the first, else motor and gearhead), its status, and of its checks status, or status and demand
 QUESTIONS: dict[str, tuple[str, str, str, dict[str, Any]]] = {
     # 60 kg 9.81 (0.08 cos 10 + sin 10) / 4 of 0.127 m: 4.7 N*m a wheel on the slope, of a motor of 0.2 N*m
-    "a1: a vehicle with a far too weak motor": (UGV, "AM8011-wByz direct", "fail", {_CURRENT: "hopeless"}),
+    "a1: a vehicle with a far too weak motor": (SPECS.UGV, "AM8011-wByz direct", "fail", {_CURRENT: "hopeless"}),
     # 5 N*m of 0.2: 23 times the current, wherever the ambient stands to the 40 degC of the rating
-    **{f"f6a: a wheel in {t} degC": (WHEEL % t, "AM8011-wByz direct", "fail", {_CURRENT: "hopeless"})
+    **{f"f6a: a wheel in {t} degC": (SPECS.WHEEL % t, "AM8011-wByz direct", "fail", {_CURRENT: "hopeless"})
        for t in (25, 39, 40, 41)},
     # 8 kg 9.81 1 m / (10 0.75) = 10.5 N*m of 0.72 at stall: 14.5 times the voltage, the rotor's inertia unknown
-    "f7: a joint without a gearhead": (JOINT, "BaneBots RS-775 direct", "fail", {_VOLTS: "hopeless"}),
+    "f7: a joint without a gearhead": (SPECS.JOINT, "BaneBots RS-775 direct", "fail", {_VOLTS: "hopeless"}),
     # 12 kg 9.81 0.5 m = 58.8 N*m, of 48 mN*m
-    **{f"tama: an arm at rest for {t} s": (ARM % t, "TS4862 direct", "fail", {"motor_nominal_torque": "hopeless"})
+    **{f"tama: an arm at rest for {t} s": (SPECS.ARM % t, "TS4862 direct", "fail", {"motor_nominal_torque": "hopeless"})
        for t in (0.5, 0.503, 1)},
     # 20 kg*m^2 to 1000 rpm in 0.2 s: 10.5 kN*m of 0.48; 300 N*m of 33 in less than the ambient of the rating
-    "a flywheel": (SPIN, "beta 0.2/5000is direct", "fail", {"motor_peak_torque": ("hopeless", 10472.0)}),
-    "a press": (PRESS, "VPL-B1654B direct", "fail", {"motor_nominal_torque": "hopeless"}),
+    "a flywheel": (SPECS.SPIN, "beta 0.2/5000is direct", "fail", {"motor_peak_torque": ("hopeless", 10472.0)}),
+    "a press": (SPECS.PRESS, "VPL-B1654B direct", "fail", {"motor_nominal_torque": "hopeless"}),
     # (0.25 N*m + 1 kg*cm^2 523.6 rad/s / 1 s) 523.6 rad/s = 158 W, 3.3 A of 48 V whatever the winding, which is unknown
-    "a fan for a weak supply": (FAN, "TSM3104E040 direct", "fail", {"supply_current": ("fail", 3.298)}),
+    "a fan for a weak supply": (SPECS.FAN, "TSM3104E040 direct", "fail", {"supply_current": ("fail", 3.298)}),
     # 3 lb 4 in: 1.36 N*m level; no peak below the 2.648 N*m at stall is printed
-    "c16c: a lifter": (LIFTER, "", "open", {_LASTING: "open", _SHORT: "open"}),
+    "c16c: a lifter": (SPECS.LIFTER, "", "open", {_LASTING: "open", _SHORT: "open"}),
     # 0.9 kg 9.81 0.27 m = 2.38 N*m level; one thing with figures at 12 and at 14.8 V
-    "user_B_el: an elbow at 12 V": (ELBOW, "XM540-W270 12 V", "unknown", {_LASTING: "pass", _VOLTS: "pass"}),
+    "user_B_el: an elbow at 12 V": (SPECS.ELBOW, "XM540-W270 12 V", "unknown", {_LASTING: "pass", _VOLTS: "pass"}),
     # 11 lb 14 in / (2 15 0.9) = 0.6444 N*m; 20 deg/s behind 15:1 are 50 rpm of 100
-    "c3: a lift of a school robot": (LIFT, "VEX393", "unknown", {
+    "c3: a lift of a school robot": (SPECS.LIFT, "VEX393", "unknown", {
         _SHORT: ("open", 11 * 0.45359237 * G * 14 * 0.0254 / 27.0), _SPEED: ("pass", 50 * RPM), _VOLTS: "open",
         _THERE: "unknown", **_BOUND,
     }),
     # 8000 of 19300 rpm, and 0.1 of 0.498 N*m while it speeds up: 5.0 and 2.4 V of 12
-    "mm: a motor of a shop": (SPINDLE, "M550 direct", "unknown", {
+    "mm: a motor of a shop": (SPECS.SPINDLE, "M550 direct", "unknown", {
         _VOLTS: "open", _SPEED: ("pass", 8000 * RPM), _THERE: "unknown"}),
     # 9 kg on 25 mm / 12: 4 in/s are 48 rad/s; 0.22 of 2.4 N*m, 131 A
-    "c4d: a winch": (WINCH.replace("MAKERS", "andymark, vex, rev, ctre"), "CIM direct", "pass", {
+    "c4d: a winch": (SPECS.WINCH.replace("MAKERS", "andymark, vex, rev, ctre"), "CIM direct", "pass", {
         _THERE: "pass", _SPEED: ("pass", 48.0)}),
-    "c4e: a winch, no controller listed": (WINCH.replace("MAKERS", "andymark"), "CIM direct", "unknown", {
+    "c4e: a winch, no controller listed": (SPECS.WINCH.replace("MAKERS", "andymark"), "CIM direct", "unknown", {
         _THERE: "unknown", **_BOUND}),
     # 1 m/s on 25 mm 10:1 are 400 rad/s of 6065 rpm
-    "g1: a lift by a motor with a controller inside": (KRAKEN, "Kraken X60 direct", "open", {
+    "g1: a lift by a motor with a controller inside": (SPECS.KRAKEN, "Kraken X60 direct", "open", {
         _THERE: "pass", _SPEED: ("pass", 400.0), _HEAT: "open"}),
     # 1.5 of 1.25 N*m at stall: 14.4 V of 12 with a cold winding, more with a hot one
-    "c9: a gimbal": (GIMBAL, "GM8112 direct", "fail", {_VOLTS: "fail"}),
+    "c9: a gimbal": (SPECS.GIMBAL, "GM8112 direct", "fail", {_VOLTS: "fail"}),
     # m (g + a) on a screw of 7.1 mm, flanks of 15 deg, and 64 g*cm^2 to 47.1 rad/s in 0.75 s: 24.5 mN*m
-    "c8b: the bed of a printer": (BED, "17HS4401 direct", "unknown", {"pull_out_torque": ("pass", 0.0245)}),
+    "c8b: the bed of a printer": (SPECS.BED, "17HS4401 direct", "unknown", {"pull_out_torque": ("pass", 0.0245)}),
     # 1.8 deg / 8 / 43200: 0.0188 of 1 arcsec; 43200 0.0334 rpm are 1443 rpm
-    "c11b: a telescope": (TELESCOPE, "17HS4401 direct", "pass", {
+    "c11b: a telescope": (SPECS.TELESCOPE, "17HS4401 direct", "pass", {
         "step_resolution": ("pass", 1.8 / 8 / 43200 * pi / 180), "pull_out_torque": "pass"}),
-    "user_A_one: an AGV": (AGV.replace("MAKERS", "maxon"), "", "pass", {}),
+    "user_A_one: an AGV": (SPECS.AGV.replace("MAKERS", "maxon"), "", "pass", {}),
     # its amplifier is assumed, its brake is not: what holds 25 kg without power is unknown
-    "user_C_y: a vertical axis at the mains": (SERVO.replace("MAKERS", "yaskawa, panasonic"), "", "unknown", {
+    "user_C_y: a vertical axis at the mains": (SPECS.SERVO.replace("MAKERS", "yaskawa, panasonic"), "", "unknown", {
         _THERE: "pass", "inertia_ratio": "pass", "holding": "unknown"}),
 }  # fmt: skip
 
@@ -280,7 +129,9 @@ def test_each_question_has_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_no_hopeless_drive_is_named_before_the_spec_is_changed() -> None:
-    assert [size(spec(text), brief=True).counts.feasible for text in (WHEEL % 25, JOINT, ARM % 0.503)] == [0, 0, 0]
+    assert [
+        size(spec(text), brief=True).counts.feasible for text in (SPECS.WHEEL % 25, SPECS.JOINT, SPECS.ARM % 0.503)
+    ] == [0, 0, 0]
 
 
 # --- answers that are more than the verdicts of one drive ------------------------------------------------------------
@@ -288,7 +139,7 @@ def test_no_hopeless_drive_is_named_before_the_spec_is_changed() -> None:
 
 def test_what_passes_is_counted_apart_from_what_lacks_figures() -> None:
     """f1, f3: of those that fail nothing as many pass as are left without unknown ones, but for open ones."""
-    text = PLATFORM.replace("SLOPE", "0 deg")
+    text = SPECS.PLATFORM.replace("SLOPE", "0 deg")
     every, known = (size(spec(text.replace("UNKNOWN", one)), brief=True).counts for one in ("allow", "reject"))
     assert 0 < every.passing < every.feasible
     assert every.passing == known.passing == known.feasible - known.open
@@ -298,7 +149,7 @@ def test_what_passes_is_counted_apart_from_what_lacks_figures() -> None:
 def test_of_undecided_drives_those_come_first_of_which_least_is_undecided() -> None:
     """a1: by mass alone a motor of 0.6 kg with 10 unknown checks came before one of 1.1 kg with 4."""
     makers = "allen_bradley, beckhoff, maxon, rev, roboteq, yaskawa"
-    every = size(spec(UGV.replace("beckhoff, maxon, rev", makers)), top=40).sets
+    every = size(spec(SPECS.UGV.replace("beckhoff, maxon, rev", makers)), top=40).sets
     found = [one for one in every if one.status == "unknown"]
     assert len(found) > 9 and all(one.status in ("pass", "open") for one in every[: -len(found)])
     undecided = [sum(check.status == "unknown" and not check.advice for check in one.checks) for one in found]
@@ -316,7 +167,7 @@ def test_a_platform_on_a_slope_has_a_drive_if_its_controller_takes_little() -> N
     38.5 mN*m/A, which take 1.2 V of 0.103 ohm cold and 1.7 V at 125 degC beside the 9.9 V of 257 rad/s. How much of
     12 V the controller leaves nobody prints.
     """
-    one = first_of(PLATFORM.replace("SLOPE", "10 deg").replace("UNKNOWN", "reject"))
+    one = first_of(SPECS.PLATFORM.replace("SLOPE", "10 deg").replace("UNKNOWN", "reject"))
     (undecided,) = (check for check in one.checks if check.status == "open")
     assert (one.status, undecided.name) == ("open", _VOLTS)
     assert 9.9 + 1.2 < undecided.demand < 9.9 + 1.7
@@ -324,7 +175,7 @@ def test_a_platform_on_a_slope_has_a_drive_if_its_controller_takes_little() -> N
 
 def test_a_platform_on_a_steep_slope_has_none_and_learns_what_would_help() -> None:
     """f5b at 14 deg: 14.0 N*m: each change, typed in, leaves one open."""
-    text = PLATFORM.replace("SLOPE", "14 deg").replace("UNKNOWN", "reject")
+    text = SPECS.PLATFORM.replace("SLOPE", "14 deg").replace("UNKNOWN", "reject")
     found = size(spec(text), top=1)
     assert not found.sets and found.misses[0].status == "fail"
     written = {"load.mass": "mass: 90 kg", "supply.nominal": "nominal: 12 V"}
@@ -336,19 +187,19 @@ def test_a_platform_on_a_steep_slope_has_none_and_learns_what_would_help() -> No
 
 def test_a_battery_that_is_not_wholly_known_is_named_and_the_closest_are_known_drives() -> None:
     """c10b: beside motors of maxon that lack 2 % a 230 V servo was named, 47 % short, for at its best it lacks less."""
-    found = size(spec(TRACKED + BATTERY), top=3)
+    found = size(spec(f"{SPECS.TRACKED}\n{SPECS.BATTERY}"), top=3)
     lacking = "charge_voltage, battery.open_circuit, battery.continuous_current, battery.peak_current"
     assert not_enough(found).startswith(f"The battery is not wholly known, so no drive is: give battery.{lacking}")
     assert not found.relaxations
     closest = found.misses[0]
     assert closest.motor.manufacturer == "maxon" and min(c.margin for c in closest.checks if c.status == "fail") > -0.1
     with pytest.raises(InputError, match=r"equipment: it draws from a battery; expected a section battery"):  # c10c
-        spec(TRACKED)
+        spec(SPECS.TRACKED)
 
 
 def test_another_makers_controllers_lose_no_drive() -> None:
     """user_A_two: an iPOS8015 carries 22 A, more than the 20 A with which the drive passes, and lacks figures."""
-    alone, both = (first_of(AGV.replace("MAKERS", names)) for names in ("maxon", "maxon, technosoft"))
+    alone, both = (first_of(SPECS.AGV.replace("MAKERS", names)) for names in ("maxon", "maxon, technosoft"))
     assert (both.label, both.status) == (alone.label, "pass")
     assert both.controller is not None and alone.controller is not None
     assert both.controller.part == alone.controller.part == "EPOS4 Module 60/20"
@@ -356,7 +207,7 @@ def test_another_makers_controllers_lose_no_drive() -> None:
 
 def test_unknown_prices_are_ordered_by_mass() -> None:
     """user_A_servo: 68 kg of gearheads came first, ranked by a price that nobody prints."""
-    found = size(spec(SERVO.replace("MAKERS", "yaskawa, panasonic")), objective="price", top=4, brief=True).sets
+    found = size(spec(SPECS.SERVO.replace("MAKERS", "yaskawa, panasonic")), objective="price", top=4, brief=True).sets
     assert [one.mass for one in found] == sorted(one.mass for one in found)
     assert all(one.motor.price != one.motor.price for one in found)
     assert ranked_by("price", found).startswith("ranked by price, of which none is known: by mass")
@@ -365,7 +216,7 @@ def test_unknown_prices_are_ordered_by_mass() -> None:
 def test_a_catalogue_of_low_voltage_loses_no_servo_at_the_mains() -> None:
     """user_C_ym: with maxon's controllers, none of which takes 325 V, there was no drive; its motors are for less."""
     alone, both = (
-        {one.motor.part: one for one in size(spec(SERVO.replace("MAKERS", names)), top=300, brief=True).sets}
+        {one.motor.part: one for one in size(spec(SPECS.SERVO.replace("MAKERS", names)), top=300, brief=True).sets}
         for names in ("yaskawa, panasonic", "yaskawa, panasonic, maxon")
     )
     assert alone and alone.keys() <= both.keys()
@@ -376,8 +227,8 @@ def test_a_catalogue_of_low_voltage_loses_no_servo_at_the_mains() -> None:
 
 def test_a_drive_without_a_controller_says_why() -> None:
     """A servo for 400 V beside controllers of maxon, none of which takes 325 V; a catalogue of motors alone."""
-    servo = SERVO.replace("MAKERS", "yaskawa, maxon")
-    winch = WINCH.replace("MAKERS", "andymark")
+    servo = SPECS.SERVO.replace("MAKERS", "yaskawa, maxon")
+    winch = SPECS.WINCH.replace("MAKERS", "andymark")
     for text, part, reason in (
         (servo, "SGMUH-10DA", "none is listed for 325 V"),
         (winch, "CIM", "the catalogues list no controller"),
@@ -391,12 +242,12 @@ def test_a_change_of_the_gimbal_is_tried_and_never_beyond_its_parts() -> None:
 
     f7: 175 V was, for a motor of 12 V, and no part is listed for that voltage.
     """
-    changes = {change.field: change for change in size(spec(GIMBAL), top=1).relaxations}
-    less = GIMBAL.replace("torque: 1.5 N*m", f"torque: {changes['load.torque'].needed}")
+    changes = {change.field: change for change in size(spec(SPECS.GIMBAL), top=1).relaxations}
+    less = SPECS.GIMBAL.replace("torque: 1.5 N*m", f"torque: {changes['load.torque'].needed}")
     drive = explain(spec(less), "GM8112", "direct")[0]
     assert drive.status == changes["load.torque"].status != "fail"
     assert "supply.nominal" not in changes
-    assert "supply.nominal" not in {change.field for change in size(spec(JOINT), top=1).relaxations}
+    assert "supply.nominal" not in {change.field for change in size(spec(SPECS.JOINT), top=1).relaxations}
 
 
 def test_what_rides_on_a_rider_counts_at_its_own_distance() -> None:
@@ -424,7 +275,7 @@ axes:
 
 def test_microsteps_are_what_helps_a_printer() -> None:
     """c8b, c8c: with the full steps of a driver that is not known steps are lost, with 16 microsteps none is."""
-    of_each = [spec(BED + more) for more in ("", "\ncontrol: {microsteps: 16}")]
+    of_each = [spec(SPECS.BED + more) for more in ("", "\ncontrol: {microsteps: 16}")]
     full, fine = (validate(one, explain(one, "17HS4401", "direct")[0]) for one in of_each)
     assert (full.status, fine.status) == ("fail", "pass")
     tried = {change.entry: change.status for change in with_remedies(full, of_each[0], ()).tried}

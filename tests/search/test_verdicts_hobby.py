@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived, solved
+from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived, solved, value
 from drivesizer.catalog.query import PartRow
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.catalog.view import search_view
@@ -129,15 +129,19 @@ def assert_alike(table, rows, figures, rel):
 
 @pytest.mark.parametrize("one", DERIVED, ids=lambda one: f"{one.section} {one.figure} {one.identity}")
 def test_what_is_solved_fulfils_its_identity(one):
-    """Random figures; the solved one put back gives the same other figure."""
+    """Random figures; the solved one put back fulfils it, and gives another again where it is linear in that."""
     draw = random.Random(7)
     equation = IDENTITIES[one.section][one.identity]
     figures = {name: draw.uniform(0.2, 0.9) for name in columns_in(equation)} | {"back_emf_constant": nan}
     found = solved(equation, figures, one.figure)
     whole = figures | {one.figure: float(found)}
+    left, right = equation.partition(" where ")[0].split(" = ")
+    assert value(left, whole) == pytest.approx(value(right, whole), rel=1e-9, nan_ok=True)
+    squared = {("speed-torque gradient", "torque_constant"), ("mechanical time constant", "torque_constant"),
+               ("stall torque and no-load speed", "nominal_voltage"),
+               ("stall torque and no-load speed alone", "nominal_voltage")}  # fmt: skip
     for name in columns_in(equation) - {one.figure, "back_emf_constant"}:
-        if (one.identity, name) not in {("speed-torque gradient", "torque_constant"),
-                                        ("mechanical time constant", "torque_constant")}:  # fmt: skip
+        if (one.identity, name) not in squared:
             assert solved(equation, whole, name) == pytest.approx(whole[name], rel=1e-9)
 
 
