@@ -17,6 +17,7 @@ May import: files, physics.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import cache, partial
@@ -139,7 +140,9 @@ def path_of(name: str, beside: Path | None = None) -> Path:
     path = (beside or Path()) / name
     if path.suffix in (".yaml", ".yml") or is_list(path):
         return path
-    hint = nearest(name, known, 1)
+    sought = re.compile(rf"^(?:manufacturer|- family): .*\b{re.escape(name)}\b", re.IGNORECASE | re.MULTILINE)
+    having = [stem for stem, file in known.items() if sought.search(file.read_text(encoding="utf-8"))]
+    hint = f"; it is a maker or a family in {', '.join(having[:3])}" if having else nearest(name, known, 1)
     raise UnknownCatalogError(
         f"no catalogue is called {quoted(name)}{hint}; expected one of `drivesizer catalog stats`, such as maxon, "
         "all, a .yaml file, or a price list, .csv or .xlsx"

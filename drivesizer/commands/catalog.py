@@ -56,7 +56,9 @@ def known_section(section: str) -> str:
     from drivesizer.catalog import PARTS
 
     if section not in PARTS:
-        raise InputError(f"{quoted(section)} is no section; expected {', '.join(PARTS)}")
+        raise InputError(
+            f"{quoted(section)} is no section; expected {', '.join(PARTS)}; `drivesizer catalog search` looks for names"
+        )
     return section
 
 

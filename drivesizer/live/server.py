@@ -13,6 +13,7 @@ from collections.abc import Callable
 from functools import cache
 from hashlib import blake2b
 from importlib import resources
+from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -100,8 +101,10 @@ class Page:
             text = form_schema()
         elif path == "/starters.json":
             from drivesizer.commands.setup import KINDS, MACHINES, starter
+            from drivesizer.output.export import FORMATS
 
-            text = json.dumps({"kinds": {kind: starter(kind) for kind in (*KINDS, *MACHINES)}})
+            there = {name: form.said for name, form in FORMATS.items() if name != "fmu" or find_spec("pythonfmu")}
+            text = json.dumps({"kinds": {kind: starter(kind) for kind in (*KINDS, *MACHINES)}, "exports": there})
         elif path == "/spec":
             spec_file = content(self.path)
             text = self.starting if spec_file["text"] is None else spec_file["text"]

@@ -215,6 +215,8 @@ _MESSAGES = dict.fromkeys(("int_type", "int_from_float"), "{found} is not a whol
     "greater_than_equal": "{found} must be at least {ge}", "less_than_equal": "{found} must be at most {le}",
     "too_short": "{found} is too short; expected at least {min_length}{default}",
     "too_long": "{found} is too long; expected at most {max_length} entries",
+    "none_required": "{found} is no part with figures of its own, {{name: ..., ...}}; expected one, or select.motor, "
+    "which chooses actuators of the catalogues too, e.g. motor: {{part: XM430-W350}}",
     "string_too_short": "is empty; expected text",
     "string_too_long": "{found} is too long; expected at most {max_length} characters",
 }  # fmt: skip

@@ -205,6 +205,7 @@ def test_loading_by_name_and_by_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("name", "said"), [
     ("maxom", 'no catalogue is called "maxom"; the nearest is maxon'),
+    ("Dynamixel", 'no catalogue is called "Dynamixel"; it is a maker or a family in robotis; expected'),
     ("absent.yaml", "absent.yaml: cannot be read (no such file or directory)"),
 ])  # fmt: skip
 def test_a_catalogue_that_is_not_there(tmp_path: Path, name: str, said: str) -> None:

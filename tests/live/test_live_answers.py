@@ -8,6 +8,7 @@ import random
 import zipfile
 from io import BytesIO
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -17,10 +18,12 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.answer import ranking
 from drivesizer.live.engine import EngineMemory, StoppedError, done
+from drivesizer.multi_axis import size_machine
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.report import write
 from drivesizer.results.machine import of_one_axis
 from drivesizer.sizing import size
+from drivesizer.spec.machine import read_any
 from drivesizer.spec.robot import load_spec, read_spec
 
 SPEC = """\
@@ -180,3 +183,12 @@ def test_a_job_that_nobody_waits_for_stops() -> None:
     assert next(pieces)["kind"] == "spec"
     with pytest.raises(StoppedError):
         next(pieces)
+
+
+def test_a_drive_that_fails_in_closed_loop_is_no_pass() -> None:
+    """One verdict, with the check that fails: the headline said pass above a closed loop that failed."""
+    sizing = size_machine(read_any(YamlSource(SPEC, "robot.yaml")))
+    proof = SimpleNamespace(loop="velocity loop", status="fail", failed="Motor voltage")
+    shown = ranking(sizing, {"": proof})  # type: ignore[dict-item]
+    assert ranking(sizing)["status"] == "pass"
+    assert (shown["status"], shown["loops"]) == ("fail", [["velocity loop", "fail: Motor voltage"]])

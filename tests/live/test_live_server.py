@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import resource
 import threading
@@ -18,6 +19,7 @@ from live_server import Serving, reply, serving, within
 
 from drivesizer.live.http import LARGEST
 from drivesizer.live.requests import REQUESTS
+from drivesizer.live.server import Page
 
 POLICY = {"x-content-type-options": "nosniff", "referrer-policy": "no-referrer", "x-frame-options": "DENY",
           "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin"}  # fmt: skip
@@ -216,6 +218,14 @@ def test_who_is_slow_is_not_waited_for(server: Serving) -> None:
     writing.join()
     for one in (silent, head, body):
         one.close()
+
+
+def test_what_needs_an_extra_that_is_not_there_is_not_offered(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    page = Page(tmp_path / "robot.yaml", "", None)  # type: ignore[arg-type]
+    for found in (None, "there"):
+        monkeypatch.setattr("drivesizer.live.server.find_spec", lambda _, found=found: found)
+        exports = json.loads(page._file("/starters.json").content)["exports"]  # type: ignore[arg-type]
+        assert ("fmu" in exports) == (found is not None) and "mjcf" in exports
 
 
 # -- what jobs are given

@@ -100,6 +100,7 @@ def test_of_an_axis_of_a_machine():
         ({"motor": {**MOTOR, "confidence": "sure"}}, 'confidence "sure" is not one of measured, quoted, secondary'),
         ({"motor": {"part": "775", "mass": "3 g"}}, "select.motor.mass: a part with figures of its own needs its name"),
         ({"motor": MOTOR, "actuator": ACTUATOR}, "give select.motor or select.actuator, not both"),
+        ({"actuator": "775"}, '"775" is no part with figures of its own, {name: ..., ...}; expected one, or '),
         ({"gearhead": {**GEARHEAD, "ratio": "64 rpm"}}, 'ratio: "64 rpm" is not a number'),
     ],
 )

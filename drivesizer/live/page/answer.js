@@ -4,10 +4,8 @@ import { element } from "./dom.js";
 
 const report = document.getElementById("report");
 const LOW = 330; // px, of the figure above the report
-const QUIET = 1500; // ms without a newer answer, after which figures out of sight are drawn too
 let figures = {};
-let library = null; // plotly.js, which loads with the first figure
-let later = 0;
+let library = null; // plotly.js, which loads with the first figures
 
 export function stale() { report.classList.add("stale"); }
 
@@ -66,20 +64,7 @@ export function plots(given) {
     seen.unobserve(drawing);
     seen.observe(drawing); // reports once whether it is in sight
   }
-  clearTimeout(later);
-  later = setTimeout(others, QUIET);
-}
-
-/** Draws what is out of sight, one after the other while nothing else happens: a print shows them all. */
-async function others() {
-  const next = drawings().find((one) => one.outdated && figures[one.dataset.plot] && one.checkVisibility());
-  if (!next) {
-    report.dataset.drawn = "all";
-    return;
-  }
-  await current(next).catch(() => { next.outdated = false; });
-  clearTimeout(later);
-  later = setTimeout(others, 30);
+  plotly().catch(() => {}); // a print draws them all
 }
 
 /** Draws a figure, or brings it up to date. */
@@ -90,9 +75,8 @@ async function current(drawing) {
 }
 
 function drawn(drawing) {
-  const whole = figures[drawing.dataset.plot], low = drawing.closest("#glance");
-  const [xaxis, yaxis] = [whole.layout.xaxis, whole.layout.yaxis].map((axis) => ({ ...axis, automargin: false }));
-  const plot = low ? { ...whole, layout: { ...whole.layout, xaxis, yaxis, height: LOW } } : whole;
+  const whole = figures[drawing.dataset.plot];
+  const plot = drawing.closest("#glance") ? { ...whole, layout: { ...whole.layout, height: LOW } } : whole;
   drawing.outdated = false;
   if (!drawing.data) return draw(drawing, plot);
   drawing.plot = plot;

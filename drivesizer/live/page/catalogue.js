@@ -1,7 +1,7 @@
 // The catalogues: parts that meet conditions, one part with its curves, parts side by side, and one's own catalogues.
 
 import { drawnIn } from "./answer.js";
-import { button, element, words } from "./dom.js";
+import { button, choice, element, words } from "./dom.js";
 import * as filter from "./catalogue_filter.js";
 import { handed } from "./files.js";
 import { post, whole } from "./requests.js";
@@ -10,12 +10,10 @@ import { state, watch } from "./state.js";
 const dialog = document.getElementById("browser"), opener = document.getElementById("catalogues");
 const found = element("section", { className: "found", aria: { label: "parts" } });
 let act, again, notice;
-let built = false;
 
 /** `edit` makes edits of the spec, `again` has it sized anew, `notice` says something above the page. */
 export function prepare(does) {
   ({ edit: act, again, notice } = does);
-  opener.setAttribute("aria-haspopup", "dialog");
   opener.addEventListener("click", open);
   input.addEventListener("change", () => { take(input.files[0]); input.value = ""; });
   addEventListener("dragover", (event) => { if (event.dataTransfer?.types.includes("Files")) event.preventDefault(); });
@@ -25,27 +23,23 @@ export function prepare(does) {
 }
 
 async function open() {
-  if (!built) build();
-  if (!dialog.open) {
-    reading = false;
-    dialog.showModal();
-  }
+  if (!dialog.childElementCount) build();
+  reading = false;
+  dialog.showModal();
   await renew();
 }
 
 function build() {
-  built = true;
   const close = button("Close", () => dialog.close());
   const head = element("div", { className: "head" }, element("h2", { id: "browser-head", textContent: "Catalogues" }), close);
   const box = filter.build(look, ownPlace());
   dialog.append(head, element("div", { className: "browse" }, box, found));
-  dialog.addEventListener("close", () => opener.focus());
 }
 
 /** The catalogues as they are now; of one that has changed the spec is sized anew. */
 async function renew(name = null) {
   if (name !== null && state.text.includes(name)) again();
-  if (!built) return;
+  if (!dialog.childElementCount) return;
   try {
     const [piece] = await whole("catalogues", { text: state.text });
     ownKnown(piece.catalogues);
@@ -114,31 +108,25 @@ async function choose(body) {
     dialog.close();
     act(edits);
   } catch (error) {
-    refused(error);
+    wrong(error);
   }
 }
 
 // -- the list of parts: its figures as columns, sorted by the server, some hundred rows at once
 
-const MOST = 4; // parts side by side
 const sorts = {}; // by kind of part: a column, -column for the largest first
-let chosen = []; // rows to set side by side
+const chosen = choice(4, (row) => `${row.catalogue} ${row.part}`, sideBySide);
 let last = null; // what was listed
 
-function wrong(error) {
-  found.replaceChildren(element("p", { className: "fault", role: "alert", textContent: error.message }));
-}
-
 /** Says above what is shown why something was not done. */
-function refused(error) {
+function wrong(error) {
   for (const old of found.querySelectorAll(":scope > .fault")) old.remove();
-  const said = element("p", { className: "fault", role: "alert", tabIndex: -1, textContent: error.message });
-  found.prepend(said);
-  said.focus();
+  found.prepend(element("p", { className: "fault", role: "alert", textContent: error.message }));
+  found.scrollIntoView();
 }
 
 function list(piece) {
-  if (last?.section !== piece.section) chosen = [];
+  if (last?.section !== piece.section) chosen.clear();
   last = { ...piece, opened: last?.opened };
   found.replaceChildren(summary(piece), pages(piece), piece.rows.length ? table(piece) : "", box);
   tabled(found);
@@ -178,38 +166,29 @@ function sorting(head, name, piece) {
 }
 
 function opening(cell, row) {
-  const box = element("input", { type: "checkbox", checked: chosen.some((one) => same(one, row)), aria: { label: `${row.part}: side by side` } });
-  box.addEventListener("change", () => pick(row, box));
   const opens = button(row.part, () => {
     last.opened = row.part;
     turned("part", { catalogue: row.catalogue, section: filter.kind(), part: row.part }, showPart);
   }, { className: row.part === last.opened ? "part-link opened" : "part-link" });
-  cell.replaceChildren(box, opens, row.excluded ? element("small", { textContent: "excluded from sizing" }) : "");
+  cell.replaceChildren(chosen.box(row, `${row.part}: side by side`), opens, row.excluded ? element("small", { textContent: "excluded from sizing" }) : "");
 }
 
 // -- side by side
 
-const same = (a, b) => a.part === b.part && a.catalogue === b.catalogue;
-
-function pick(row, box) {
-  chosen = chosen.filter((one) => !same(one, row));
-  if (box.checked) chosen = [...chosen, row];
-  if (chosen.length > MOST) {
-    box.checked = false;
-    chosen.pop();
-  }
-  sideBySide();
-}
-
-const comparing = button("Compare", () => turned("beside", { section: filter.kind(), parts: chosen.map((row) => [row.catalogue, row.part]) }, sideBySideOf));
-const none = button("none of them", () => { chosen = []; for (const box of document.querySelectorAll("#browser .listed input")) box.checked = false; sideBySide(); });
+const comparing = button("Compare", () => turned("beside", { section: filter.kind(), parts: chosen.list().map((row) => [row.catalogue, row.part]) }, sideBySideOf));
+const none = button("none of them", () => { chosen.clear(); sideBySide(); });
 const said = element("span");
 const box = element("p", { className: "chosen", role: "status" }, said, " ", comparing, " ", none);
 
+function sideBySideOf(piece) {
+  inPlace(element("h3", { tabIndex: -1, textContent: "Side by side" }), element("div", { innerHTML: piece.html })); // of the server's own templates
+}
+
 function sideBySide() {
-  box.hidden = !chosen.length;
-  said.textContent = `${chosen.map((one) => one.part).join(", ")}${chosen.length === 1 ? ": choose another one" : ""}`;
-  comparing.disabled = chosen.length < 2;
+  const parts = chosen.list().map((row) => row.part);
+  box.hidden = !parts.length;
+  said.textContent = `${parts.join(", ")}${parts.length === 1 ? ": choose another one" : ""}`;
+  comparing.disabled = parts.length < 2;
 }
 
 // -- one part as a data sheet with its curves
@@ -243,12 +222,6 @@ function sources(documents) {
     else if (url) made.append(` ${url}`);
     return made;
   }));
-}
-
-// -- side by side
-
-function sideBySideOf(piece) {
-  inPlace(element("h3", { tabIndex: -1, textContent: "Side by side" }), element("div", { innerHTML: piece.html })); // of the server's own templates
 }
 
 // -- one's own catalogues, tables, data sheets and logs: dropped or pasted, checked, known by name until the server ends
@@ -293,20 +266,11 @@ async function take(file, anyway = false, given = {}) {
   if (file.size > LARGEST) return say(`${file.name} is larger than ${LARGEST / 1e6} MB.`);
   say(`checking ${file.name} …`);
   try {
-    const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway, given, text: state.text });
+    const response = await post("catalogue", { name: file.name, content: (await file.bytes()).toBase64(), anyway, given, text: state.text });
     report(file, await response.json());
   } catch {
     say(`${file.name} was not checked: the server does not answer.`);
   }
-}
-
-function encoded(file) {
-  return new Promise((done, failed) => {
-    const reader = new FileReader();
-    reader.addEventListener("load", () => done(reader.result.slice(reader.result.indexOf(",") + 1)));
-    reader.addEventListener("error", () => failed(reader.error));
-    reader.readAsDataURL(file);
-  });
 }
 
 function say(text, ...more) {

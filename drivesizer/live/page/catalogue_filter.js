@@ -31,8 +31,8 @@ export function build(onLook, own) {
   return box;
 }
 
-function row(name, input, more = {}) {
-  return element("div", { className: "field", ...more }, element("label", { htmlFor: input.id, textContent: name }), input);
+function row(name, input) {
+  return element("div", { className: "field" }, element("label", { htmlFor: input.id, textContent: name }), input);
 }
 
 function later() {

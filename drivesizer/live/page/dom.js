@@ -1,4 +1,4 @@
-// Elements of the page, and words for what the spec calls a field.
+// Elements of the page, words for what the spec calls a field, and boxes by which some of many are chosen.
 
 /** An element with its properties and what is in it. */
 export function element(tag, properties = {}, ...children) {
@@ -28,3 +28,29 @@ export function enable(made, able) {
 }
 
 export const able = (made) => made.getAttribute("aria-disabled") !== "true";
+
+/** Some of many to be set side by side, by boxes; two of one `key` are the same, and of more than `most` the first one leaves. */
+export function choice(most, key, changed) {
+  const chosen = new Map(), boxes = () => [...document.querySelectorAll(`input.compares`)].filter((box) => box.choice === chosen);
+  const follow = () => { for (const box of boxes()) box.checked = chosen.has(box.value); };
+  return {
+    list: () => [...chosen.values()],
+    box(one, label) {
+      const made = Object.assign(element("input", { type: "checkbox", className: "compares", value: key(one), checked: chosen.has(key(one)), aria: { label } }), { choice: chosen });
+      made.addEventListener("change", () => {
+        if (made.checked) chosen.set(made.value, one);
+        else chosen.delete(made.value);
+        if (chosen.size > most) chosen.delete(chosen.keys().next().value);
+        follow();
+        changed();
+      });
+      return made;
+    },
+    clear() {
+      const first = boxes().find((box) => box.checked);
+      chosen.clear();
+      follow();
+      return first;
+    },
+  };
+}

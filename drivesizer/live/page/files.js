@@ -7,9 +7,9 @@ import { changed, packed, state } from "./state.js";
 
 const notices = document.getElementById("notices");
 const REPORTS = { pdf: "Report, PDF", html: "Report, HTML", xlsx: "Report, XLSX", csv: "Report, CSV", json: "Report, JSON", "quote.csv": "Quote, CSV", "quote.xlsx": "Quote, XLSX" };
-const EXPORTS = { mjcf: "MuJoCo", urdf: "URDF", sdf: "Gazebo SDF", ros2_control: "ros2_control", fmu: "FMU", json: "Drive, JSON" };
 const ALSO = { wheeled_vehicle: " (AGV)" }; // what a kind is called as well
 const AGAIN = 2000, SEEN = 10_000; // ms until the server is tried again, and until what is only said has been read
+let exportable = {}; // formats that this server can write, with the programs that read them
 let page = { restart: () => {}, again: () => {}, settled: async () => {}, unmade: () => [], turn: () => {} };
 
 /** Says something above the page, until it is closed; buttons are pairs of words and what they do. */
@@ -132,9 +132,8 @@ async function download(job, form) {
   notice("making the file …", [], "said", "making");
   try {
     const [file] = await whole(job, { text: state.text, form });
-    const bytes = Uint8Array.from(atob(file.content), (letter) => letter.charCodeAt(0));
     const stem = state.name.replace(/\.ya?ml$/, "");
-    handed(file.name.replace(/^(report|drive|quote)/, `${stem}-$1`), bytes);
+    handed(file.name.replace(/^(report|drive|quote)/, `${stem}-$1`), Uint8Array.fromBase64(file.content));
   } catch (error) {
     notice(`no file: ${error.message}`, [], "", "no file");
   }
@@ -160,7 +159,7 @@ export function prepare(given) {
 function downloads() {
   const entry = (job) => ([form, name]) => ({ name, does: () => download(job, form) });
   return [{ name: "Spec, YAML", does: () => download("spec") }, { head: "with the closed loop" }, ...Object.entries(REPORTS).map(entry("report")),
-    { head: "the drive for other programs" }, ...Object.entries(EXPORTS).map(entry("export"))];
+    { head: "the drive for other programs" }, ...Object.entries(exportable).map(entry("export"))];
 }
 
 async function opened() {
@@ -192,7 +191,8 @@ function keyed(event) {
 
 /** Specs to start with, each with the first line of what it says about itself. */
 async function starters(list) {
-  const { kinds } = await get("starters.json");
+  const { kinds, exports } = await get("starters.json");
+  exportable = exports;
   const choices = Object.entries(kinds).map(([name, text]) => ({
     name: name.replaceAll("_", " ") + (ALSO[name] ?? ""), help: /^# (.*?)\.?$/m.exec(text)?.[1], does: () => { page.turn("machine"); page.restart(text); },
   }));

@@ -21,7 +21,7 @@ const resting = new Map(); // the motion that a load had along a line, and about
 /** Takes the schemas, and what is done with edits and for sliders. */
 export function prepare(schemas, act, slide) {
   drawn = "";
-  context = { schemas, act, slide, filled: (path) => added.delete(keyOf(path)) };
+  context = { schemas, act, slide };
   form.addEventListener("submit", (event) => event.preventDefault());
   for (const name of ["keydown", "pointerdown"]) addEventListener(name, () => { wantedFocus = null; }, true);
 }
@@ -119,7 +119,7 @@ function namer(schema, value, path) {
 /** A load case says what differs from a section of the spec: its fields are those of that section, none required. */
 function substituted(schema, path) {
   if (path.at(-3) !== "cases" || schema.additionalProperties !== true) return schema;
-  const section = path.at(-1), own = [...path.slice(0, -3), section].reduce((at, step) => at?.[step], context.data);
+  const section = path.at(-1), own = at([...path.slice(0, -3), section]);
   const found = branch(context.root.properties[section], own ?? context.data[section], context.root);
   const group = found.kinds ? chosen(found, own ?? context.data[section]).group : found;
   return { ...group, required: [], kinds: undefined };
@@ -127,14 +127,14 @@ function substituted(schema, path) {
 
 function field(given, value, path, required) {
   const open = isOpen(value), schema = substituted(given, path), found = branch(schema, open ? undefined : value, context.root);
-  if (open) return single(found, value, path, context, required);
+  if (open) return single(found, value, path, required);
   const grouped = value === undefined || value === null || (typeof value === "object" && !Array.isArray(value));
   if (found.kinds && grouped) return kinds(found, value, path, required);
   if (found.type === "array" && (value === undefined || Array.isArray(value))) return list(found, value ?? [], path, required);
   if (grouped && (found.properties || (found.additionalProperties && typeof found.additionalProperties === "object"))) {
     return group(path, fieldsOf(found, value, path, undefined, removable(value, path, required)), found, value);
   }
-  return single(found, value, path, context, required);
+  return single(found, value, path, required);
 }
 
 /** A group that may be of several kinds. */
@@ -143,7 +143,7 @@ function kinds(schema, value, path, required) {
   const pick = element("select", {}, ...names.map((one) => element("option", { value: one, textContent: words(one), selected: one === name })));
   if (value?.[key] !== undefined && !names.includes(value[key])) pick.prepend(element("option", { value: "", textContent: String(value[key]), selected: true }));
   pick.addEventListener("change", () => context.act(turned(path, schema, value, pick.value)));
-  const line = row(pick, [...path, key], own.description, context);
+  const line = row(pick, [...path, key], own.description);
   return group(path, [line, ...fieldsOf(own, value, path, key, removable(value, path, required))], schema, value);
 }
 
@@ -206,7 +206,7 @@ function group(path, inside, schema, value) {
 
 function openAtFirst(path) {
   const name = path.at(-1), above = path.slice(0, -1);
-  const beside = above.reduce((at, step) => at?.[step], context.data);
+  const beside = at(above);
   if (typeof name === "number") return beside?.length <= SHORT && path[0] !== "cases";
   if (above.length === 1 && above[0] === "axes") return Object.keys(beside ?? {}).length <= 1;
   return above.length === 0 || above[0] === "axes" ? OPEN.has(name) : true;
@@ -230,17 +230,17 @@ const RANGE = /^([-+]?\d+(?:\.\d+)?)\s*([^.\s].*?)?\s*\.\.\s*([-+]?\d+(?:\.\d+)?
 const PLAIN = / with unit$|^a plain number or percent$/; // says what the value says itself
 
 /** A field of one value. */
-function single(schema, value, path, context, required) {
+function single(schema, value, path, required) {
   const plain = written(value);
   const options = isOpen(value) ? null : schema.enum ?? (schema.type === "boolean" ? [true, false] : schema.const !== undefined ? [schema.const] : null);
-  const input = options ? picked(schema, options, plain, path, context) : typed(schema, plain, path, context, required);
+  const input = options ? picked(schema, options, plain, path) : typed(schema, plain, path, required);
   const beside = [];
-  if (/^[-+]?[\d.]/.test(plain) && !options && isFigure(schema)) beside.push(slider(path, schema.type === "integer", context));
+  if (/^[-+]?[\d.]/.test(plain) && !options && isFigure(schema)) beside.push(slider(path, schema.type === "integer"));
   if (plain !== "" && !required) beside.push(small("×", `remove ${words(path.at(-1))}`, () => context.act([[path, null, false]]), [...path, "-"]));
-  return row(input, path, schema.description, context, beside);
+  return row(input, path, schema.description, beside);
 }
 
-function picked(schema, options, plain, path, context) {
+function picked(schema, options, plain, path) {
   const said = (one) => (one === true ? "yes" : one === false ? "no" : words(one));
   const now = plain || String(schema.default ?? options[0]);
   const input = element("select", {}, ...options.map((one) => element("option", { value: String(one), textContent: said(one), selected: String(one) === now })));
@@ -250,7 +250,7 @@ function picked(schema, options, plain, path, context) {
 }
 
 /** What is typed counts when the field is left, or with Enter; a form that is drawn anew takes it along. */
-function typed(schema, plain, path, context, required) {
+function typed(schema, plain, path, required) {
   const input = element("input", { type: "text", value: plain, defaultValue: plain, placeholder: hint(schema, required), autocomplete: "off", spellcheck: false });
   let sent = plain;
   const commit = () => {
@@ -263,7 +263,7 @@ function typed(schema, plain, path, context, required) {
       return;
     }
     sent = text;
-    context.filled(path);
+    added.delete(keyOf(path));
     const value = isFigure(schema) ? read(text) : text;
     context.act([[path, text === "" ? null : value, value === text && isText(schema)]]);
   };
@@ -278,11 +278,11 @@ function hint(schema, required) {
 }
 
 /** A label beside its input, and below them help and errors. */
-function row(input, path, description, context, beside = []) {
+function row(input, path, description, beside = []) {
   const key = keyOf(path), id = `field-${(context.count += 1)}`;
   input.id = id;
   input.dataset.key = key;
-  const made = element("div", { className: "field" }, element("label", { htmlFor: id }, words(path.at(-1)), ...symbol(path, context)), input, element("span", { className: "beside" }, ...beside));
+  const made = element("div", { className: "field" }, element("label", { htmlFor: id }, words(path.at(-1)), ...symbol(path)), input, element("span", { className: "beside" }, ...beside));
   const ids = [];
   const say = (className, text) => {
     const said = element("p", { className, id: `${id}-${ids.length}`, textContent: text });
@@ -301,15 +301,15 @@ function row(input, path, description, context, beside = []) {
 }
 
 /** The symbol of a load's field in its sketch. */
-function symbol(path, context) {
-  const load = path.at(-2) === "load" ? path.slice(0, -1).reduce((at, step) => at?.[step], context.data) : null;
+function symbol(path) {
+  const load = path.at(-2) === "load" ? at(path.slice(0, -1)) : null;
   const found = context.schemas.symbols?.[load?.kind]?.[path.at(-1)];
   if (!found) return [];
   const [base, index] = found.split("_");
   return [element("i", { className: "symbol", aria: { hidden: "true" } }, base, ...(index ? [element("sub", { textContent: index })] : []))];
 }
 
-function slider(path, whole, context) {
+function slider(path, whole) {
   const name = path.filter((step) => typeof step === "string").map(words).join(" ");
   const made = small("", `slider for ${name}`, () => context.slide({ path, whole }), [...path, "~"]);
   made.classList.add("slides");

@@ -1,6 +1,6 @@
 // The best drive in a few figures, always in sight, or what is wrong with the spec; below it the answer in one look.
 
-import { button, element } from "./dom.js";
+import { button, choice, element } from "./dom.js";
 import { written } from "./fields.js";
 import { whole } from "./requests.js";
 import { state } from "./state.js";
@@ -8,16 +8,21 @@ import { state } from "./state.js";
 const headline = document.getElementById("headline");
 const voice = document.getElementById("said");
 const QUIET = 900; // ms without another answer, after which it is said aloud
-let speaking = 0;
+const SLOW = 500; // ms without an answer, after which the one before is greyed
+let speaking = 0, greying = 0;
 let edit = { of: null, before: {}, now: {} }; // figures before the last edit, and since
 
 export function busy() {
   document.documentElement.dataset.state = "busy";
-  headline.classList.add("stale");
+  clearTimeout(greying);
+  greying = setTimeout(() => headline.classList.add("stale"), SLOW);
 }
 
 /** Forgets the figures before: another spec follows. */
-export function forget() { edit = { of: null, before: {}, now: {} }; }
+export function forget() {
+  edit = { of: null, before: {}, now: {} };
+  unchosen();
+}
 
 /** Says a new best drive once, and not at every place of a slider. */
 function say(text) {
@@ -26,6 +31,7 @@ function say(text) {
 }
 
 function put(kind, ...inside) {
+  clearTimeout(greying);
   headline.className = kind;
   headline.replaceChildren(...inside);
 }
@@ -77,7 +83,7 @@ function tiles(best, of) {
     if (name !== "margin") return tile(title(of), best.figures[name], change(name, written));
     if (!best.tight) return "";
     const { axis, title: check, said, margin, status } = best.tight;
-    return tile(`${axis ? `${axis}, ` : ""}tightest: ${check}`, said, change(name, written), bar(margin, status));
+    return tile(`margin: ${axis ? `${axis}, ` : ""}${check}`, said, change(name, written), bar(margin, status));
   }));
 }
 
@@ -93,10 +99,10 @@ function change(name, written) {
   return element("span", { className: "change", title: "since the last edit" }, `${more ? "+" : "−"}${written(Math.abs(by))} ${more ? "▲" : "▼"}`);
 }
 
-/** The share of a limit that is used, which ends at its mark. */
+/** The share of a limit that is used, as the report draws it: the limit at 80 %. */
 function bar(margin, status) {
-  const used = Math.min(Math.max(1 / (1 + margin), 0), 1.15), made = element("span", { className: `used ${status}`, aria: { hidden: "true" } }, element("i"));
-  made.firstChild.style.width = `${used * 87}%`;
+  const made = element("span", { className: `bar ${status}`, aria: { hidden: "true" } }, element("i"), element("b"));
+  made.firstChild.style.width = `${80 * Math.min(Math.max(1 / (1 + margin), 0), 1.25)}%`;
   return made;
 }
 
@@ -177,46 +183,33 @@ export function row(sections) {
 // -- two or more drives side by side
 
 const panel = document.getElementById("compared");
-const BESIDE = 4;
-let chosen = []; // {motor, gearhead, label}
+const chosen = choice(4, (one) => `${one.motor} ${one.gearhead}`, () => compared(true));
+const tick = (one) => chosen.box(one, `compare ${one.label}`);
 
-const same = (a, b) => a.motor === b.motor && a.gearhead === b.gearhead;
-const boxesShown = () => [...document.querySelectorAll("input.compares")];
-
-/** Gives every drive of the table a box by which it is chosen; a machine's drives have none. */
+/** Gives every drive of the table a box by which it is chosen; a machine's drives have none, and no comparison. */
 export function boxes(drives) {
+  if (!drives.length) unchosen();
   for (const row of document.querySelectorAll("#sets tr[data-rank]")) {
     const one = drives.find((each) => String(each.rank) === row.dataset.rank);
-    const cell = row.cells[0];
-    if (!one || cell.querySelector("input")) continue;
-    cell.prepend(tick(one));
+    if (one && !row.cells[0].querySelector("input")) row.cells[0].prepend(tick(one));
   }
 }
 
-/** A box by which a drive is chosen. */
-function tick(one) {
-  const box = element("input", { type: "checkbox", className: "compares", checked: chosen.some((each) => same(each, one)), aria: { label: `compare ${one.label}` } });
-  box.one = one;
-  box.addEventListener("change", () => take(one, box.checked));
-  return box;
-}
-
-function take(one, wanted) {
-  chosen = chosen.filter((each) => !same(each, one));
-  if (wanted) chosen = [...chosen, one].slice(-BESIDE);
-  for (const box of boxesShown()) box.checked = chosen.some((each) => same(each, box.one));
-  compared(true);
+function unchosen() {
+  panel.replaceChildren();
+  return chosen.clear();
 }
 
 /** The comparison for the spec as it is now; shown where it has just been chosen. */
 export async function compared(now = false) {
-  if (chosen.length < 2) {
-    panel.replaceChildren(...(now && chosen.length ? [element("p", { className: "note", textContent: "Choose a second drive to see both side by side." })] : []));
+  const drives = chosen.list();
+  if (drives.length < 2) {
+    panel.replaceChildren(...(now && drives.length ? [element("p", { className: "note", textContent: "Choose a second drive to see both side by side." })] : []));
     return;
   }
   const text = state.text;
   try {
-    const [found] = await whole("compare", { text, sets: chosen.map((one) => [one.motor, one.gearhead]) });
+    const [found] = await whole("compare", { text, sets: drives.map((one) => [one.motor, one.gearhead]) });
     if (found?.kind === "compared" && text === state.text) panel.replaceChildren(...sideBySide(found));
   } catch (error) {
     panel.replaceChildren(element("p", { className: "fault", textContent: `not compared: ${error.message}` }));
@@ -224,13 +217,7 @@ export async function compared(now = false) {
 }
 
 function sideBySide(found) {
-  const close = button("close", () => {
-    const first = boxesShown().find((box) => box.checked);
-    chosen = [];
-    for (const box of boxesShown()) box.checked = false;
-    panel.replaceChildren();
-    first?.focus();
-  });
+  const close = button("close", () => unchosen()?.focus());
   const table = element("div", { innerHTML: found.html }); // of the server's own templates, which escape every text
   const section = element("section", {}, element("div", { className: "head" }, element("h2", { textContent: "Side by side" }), close), table);
   tabled(section);

@@ -14,6 +14,7 @@ const LONGEST_WAIT = 600; // ms, after which a newer request stops one that has 
 const TYPING = 350; // ms without a key, after which a text is read
 const area = document.getElementById("text"), more = document.getElementById("more"), loop = document.getElementById("loop");
 const designed = document.getElementById("designed"); // the best machine of free figures
+const page = document.documentElement.dataset; // its state, and how often it has ranked and answered
 let running = null; // the request under way
 let pending = null; // edits that wait for it
 let waiting = []; // those who wait until all edits are in the text
@@ -43,8 +44,8 @@ function restart(text) {
   replace(text);
 }
 
-function replace(text) {
-  if (text !== state.text) put(text);
+function replace(text, what = "") {
+  put(text, what);
   area.value = text;
   pending = null;
   if (running) running.read = true; // its edits were of another text
@@ -65,11 +66,11 @@ async function send() {
       take(piece, mine);
     }
     files.reachable(true);
-    if (running === mine && !pending && document.documentElement.dataset.state === "ranked") document.documentElement.dataset.state = "whole";
+    if (running === mine && !pending && page.state === "ranked") page.state = "whole";
   } catch (error) {
     if (error.name === "AbortError") return;
     if (running === mine && !mine.read) pending = { edits: [...mine.edits, ...(pending?.edits ?? [])], what: "" };
-    lost(mine);
+    if (running === mine) files.reachable(false); // what was to be changed waits for it
   } finally {
     if (running === mine) ended(mine);
   }
@@ -77,17 +78,11 @@ async function send() {
 
 /** The request is over: its number is that of the texts that were answered. */
 function ended(mine) {
-  const page = document.documentElement.dataset;
   page.answers = String(Number(page.answers ?? 0) + 1);
   mine.ranked = true;
   mine.read = true;
   if (pending && !files.gone()) send();
   else wake();
-}
-
-/** The server does not answer: what was to be changed waits for it. */
-function lost(mine) {
-  if (running === mine) files.reachable(false);
 }
 
 function take(piece, mine) {
@@ -100,12 +95,15 @@ function take(piece, mine) {
   } else if (piece.kind === "wrong") {
     state.faults = piece.faults ?? piece.lines.map((text) => ({ said: text, text, line: null, path: [] }));
     mine.ranked = true;
-    if (!mine.yaml && !mine.edits.length) unread(piece.text ?? state.text);
+    const text = piece.text ?? state.text, empty = !/^\s*[^#\s]/m.test(text);
+    if (!mine.yaml && !mine.edits.length) { // a text that is no YAML is put right as such; the form can fill an empty one
+      if (empty) state.data = {};
+      form.use(empty);
+    }
     answer.stale();
     headline.wrong(state.faults, reveal);
-    read(piece.text ?? state.text, mine);
+    read(text, mine);
   } else if (piece.kind === "ranking") {
-    const page = document.documentElement.dataset;
     page.ranked = String(Number(page.ranked ?? 0) + 1);
     mine.ranked = true;
     designed.replaceChildren();
@@ -117,17 +115,11 @@ function take(piece, mine) {
     mine.ranked = true;
     answer.sections([]);
     headline.row([]);
+    headline.boxes([]);
     sliders.renew();
     headline.free(piece.figures, (event) => awaited("design", event.currentTarget, "searching …", best));
     more.hidden = true;
   } else found(piece);
-}
-
-/** A text that is no YAML is put right as such; an empty one can be filled by the form. */
-function unread(text) {
-  const empty = !/^\s*[^#\s]/m.test(text);
-  if (empty) state.data = {};
-  form.use(empty);
 }
 
 function read(text, mine) {
@@ -139,10 +131,8 @@ function read(text, mine) {
 
 /** Pieces of a report, of an answer or of a closed loop. */
 function found(piece) {
-  if (piece.kind === "ranking") {
-    headline.rank(piece, "whole");
-  }
-  if (piece.kind === "sections") {
+  if (piece.kind === "ranking") headline.rank(piece, "whole");
+  else if (piece.kind === "sections") {
     answer.sections(piece.sections);
     headline.row(piece.sections);
     headline.boxes(piece.drives ?? []);
@@ -162,11 +152,7 @@ let typing = 0;
 function typed() {
   clearTimeout(typing);
   typing = 0;
-  if (area.value === state.text) return;
-  put(area.value, "yaml");
-  pending = null;
-  if (running) running.read = true;
-  send();
+  if (area.value !== state.text) replace(area.value, "yaml");
 }
 area.addEventListener("input", () => {
   clearTimeout(typing);
@@ -228,26 +214,11 @@ function best(piece) {
   turn("answer");
 }
 
-// -- which part is in sight: the machine as form or YAML, and on a narrow screen the machine or its answer
-
-const tabs = [...document.querySelectorAll('[role="tab"]')];
-const switches = [...document.querySelectorAll("#switch button")];
-
-/** The machine as `form` or `yaml`. */
-function choose(name) {
-  document.body.dataset.machine = name;
-  for (const tab of tabs) {
-    const here = tab.id === `tab-${name}`;
-    tab.setAttribute("aria-selected", here);
-    tab.tabIndex = here ? 0 : -1;
-    document.getElementById(tab.getAttribute("aria-controls")).hidden = !here;
-  }
-}
+// -- which part is in sight, which the stylesheet decides: form or YAML, and on a narrow screen machine or answer
 
 /** On a narrow screen: `machine` or `answer`. */
 function turn(name) {
-  document.body.dataset.pane = name;
-  for (const one of switches) one.setAttribute("aria-pressed", one.dataset.pane === name);
+  document.getElementById(`pane-${name}`).checked = true;
   dispatchEvent(new Event("resize")); // for figures that were drawn for another width
 }
 
@@ -256,7 +227,7 @@ function reveal(fault) {
   turn("machine");
   const fields = document.getElementById("form");
   if (fields.checkVisibility() && !fields.inert && form.focus(fault.path)) return;
-  choose("yaml");
+  document.getElementById("as-yaml").checked = true;
   const lines = area.value.split("\n"), number = Math.min(fault.line ?? 1, lines.length);
   const start = lines.slice(0, number - 1).reduce((sum, line) => sum + line.length + 1, 0);
   area.focus();
@@ -264,21 +235,11 @@ function reveal(fault) {
   area.scrollTop = Math.max(0, (number - 4) * parseFloat(getComputedStyle(area).lineHeight));
 }
 
-for (const tab of tabs) {
-  tab.addEventListener("click", () => {
-    choose(tab.id.slice(4));
-    if (tab.id === "tab-yaml" && state.faults[0]?.line) reveal(state.faults[0]);
-  });
-  tab.addEventListener("keydown", (event) => {
-    if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
-    const other = tab.id === "tab-form" ? "yaml" : "form";
-    choose(other);
-    document.getElementById(`tab-${other}`).focus();
-  });
-}
-for (const one of switches) {
-  one.addEventListener("click", () => { turn(one.dataset.pane); scrollTo({ top: document.getElementById("front").offsetTop }); });
-}
+document.getElementById("as-yaml").addEventListener("change", () => { if (state.faults[0]?.line) reveal(state.faults[0]); });
+document.getElementById("switch").addEventListener("change", (event) => {
+  turn(event.target.id.slice(5));
+  scrollTo({ top: front.offsetTop });
+});
 document.querySelector(".skip").addEventListener("click", () => turn("answer"));
 
 /** Height of what stays at the top, so that nothing that is scrolled to lies below it. */
@@ -288,8 +249,6 @@ new ResizeObserver(() => {
   const height = getComputedStyle(stays).position === "sticky" ? stays.offsetHeight : 0;
   document.documentElement.style.setProperty("--top", `${height}px`);
 }).observe(front);
-turn("machine");
-choose("form");
 
 // -- from the start
 

@@ -10,8 +10,8 @@ export async function get(name) {
   return response.json();
 }
 
-export async function post(name, body) {
-  return fetch(new URL(name, address), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
+export async function post(name, body, signal) {
+  return fetch(new URL(name, address), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body), signal });
 }
 
 const FIRST = new Set(["loop", "design", "report", "export", "compare"]); // before them what is computed ahead gives way
@@ -75,9 +75,7 @@ async function* answered(job, body, signal) {
 }
 
 async function* received(job, body, signal) {
-  const response = await fetch(new URL(`do/${job}`, address), {
-    method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ ...body, tab }), signal,
-  });
+  const response = await post(`do/${job}`, { ...body, tab }, signal);
   if (!response.ok || !response.body) {
     const said = response.status === 503 ? ["the server has too much to do; try again"] : (await response.json().catch(() => ({}))).lines;
     yield { kind: "wrong", lines: said ?? [`the server refused this (${response.status})`] };

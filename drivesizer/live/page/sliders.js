@@ -108,7 +108,7 @@ function shut(one) {
   state.sliders = state.sliders.filter((other) => other !== one);
   changed();
   const opener = document.querySelector(`#form [data-key="${CSS.escape(keyOf([...one.path, "~"]))}"]`);
-  (opener?.checkVisibility() ? opener : panel.querySelector("input") ?? document.getElementById("tab-form")).focus({ preventScroll: true });
+  (opener?.checkVisibility() ? opener : panel.querySelector("input") ?? document.getElementById("as-form")).focus({ preventScroll: true });
 }
 
 // -- how it moves
@@ -134,15 +134,15 @@ function said(one, text) {
 function follow(one) {
   const figure = figureAt(one.path);
   one.box.hidden = !figure;
-  if (!figure || performance.now() - (one.moving ?? -Infinity) < STILL) return;
-  if (figure.unit !== one.unit) {
+  if (!figure || performance.now() - (one.moving ?? -Infinity) < STILL) return undefined;
+  if (figure.unit !== one.unit || (figure.number !== one.number && (figure.number < one.low || figure.number > one.high))) {
     Object.assign(one, figure, around(figure.number, one.whole));
     ranged(one);
-    return;
+    return want(one);
   }
   one.number = figure.number;
   one.range.value = String(Math.round(figure.number / one.step) - one.first);
-  said(one, one.text(figure.number));
+  return said(one, one.text(figure.number));
 }
 
 /** The spec has changed: sliders follow, and what hangs on other figures is computed anew. */
@@ -223,19 +223,20 @@ function here(list, value) {
 // -- the best drive at places of a range, one slider after the other, while nothing else is wanted of the engine
 
 const POINTS = 25, FINER = 4, MOST_REASONS = 12, REST = 500; // ms without a change before a range is computed anew
-const queue = [];
 let current = null; // {one, control}
 let paused = 0;
 
 /** The text could not be read meanwhile. */
 class Unread extends Error {}
 
-/** Computes the range of a slider. */
+/** Computes the range of a slider, as soon as those before it are done. */
 function want(one) {
+  drop(one);
   one.points.clear();
   one.rejected.clear();
   one.others = rest(one);
-  enqueue(one);
+  one.wanted = true;
+  work();
 }
 
 /** Computes it anew where other figures than its own have changed. */
@@ -249,14 +250,8 @@ function again(one) {
 
 function drop(one) {
   clearTimeout(one.wait);
-  if (queue.includes(one)) queue.splice(queue.indexOf(one), 1);
+  one.wanted = false;
   if (current?.one === one) current.control.abort();
-}
-
-function enqueue(one) {
-  drop(one);
-  queue.push(one);
-  work();
 }
 
 /** The spec without the figure of a slider. */
@@ -267,18 +262,20 @@ function rest(one) {
   return JSON.stringify(copy);
 }
 
+/** One slider after the other; what is stopped for something else stays wanted. */
 async function work() {
-  if (current || paused || !queue.length) return;
-  const mine = { one: queue.shift(), control: new AbortController() };
-  current = mine;
+  const one = state.sliders.find((each) => each.wanted), control = new AbortController();
+  if (current || paused || !one) return;
+  current = { one, control };
   try {
-    await sweep(mine.one, mine.control.signal);
+    await sweep(one, control.signal);
+    if (!control.signal.aborted) one.wanted = false;
   } catch (error) {
-    if (error instanceof Unread) {
-      mine.one.others = null; // at the next text that can be read it is computed anew
-      mine.one.far.textContent = `not computed: ${error.message}`;
-    } else if (error.name !== "AbortError") mine.one.far.textContent = "not computed: the server does not answer";
-    else if (paused) queue.unshift(mine.one);
+    if (error.name !== "AbortError") {
+      one.wanted = false;
+      one.others = null; // at the next text that can be read it is computed anew
+      one.far.textContent = `not computed: ${error instanceof Unread ? error.message : "the server does not answer"}`;
+    }
   }
   current = null;
   work();

@@ -46,14 +46,11 @@ async function through(stream, bytes) {
 export async function packed() {
   const whole = JSON.stringify({ text: state.text, mark: state.mark, sliders: state.sliders.map(({ path, whole, low, high }) => ({ path, whole, low, high })) });
   const bytes = await through(new CompressionStream("deflate-raw"), new TextEncoder().encode(whole));
-  let letters = "";
-  for (const byte of bytes) letters += String.fromCharCode(byte);
-  return btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+  return bytes.toBase64({ alphabet: "base64url", omitPadding: true });
 }
 
 export async function unpacked(hash) {
-  const letters = atob(hash.replaceAll("-", "+").replaceAll("_", "/"));
-  const bytes = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+  const bytes = Uint8Array.fromBase64(hash, { alphabet: "base64url" });
   const found = JSON.parse(new TextDecoder().decode(await through(new DecompressionStream("deflate-raw"), bytes)));
   if (typeof found.text !== "string" || !Array.isArray(found.sliders)) throw new Error("no state");
   return found;

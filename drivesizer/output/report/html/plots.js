@@ -19,15 +19,17 @@ function coloured(value, colours) {
 function dressed(plot, printing) {
   const colours = palette(printing);
   const axis = { gridcolor: colours.grid, zerolinecolor: colours.soft, linecolor: colours.soft, tickcolor: colours.soft,
-    ticks: "outside", ticklen: 4, automargin: true, spikecolor: colours.soft, spikethickness: 1, spikedash: "dot",
+    ticks: "outside", ticklen: 4, spikecolor: colours.soft, spikethickness: 1, spikedash: "dot",
     spikemode: "across", title: { standoff: 8 }, exponentformat: "none" };
   const layout = coloured(plot.layout, colours);
   return { data: coloured(plot.data, colours), layout: { ...layout,
     autosize: true, showlegend: false, uirevision: "kept", paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
     font: { family: getComputedStyle(document.body).fontFamily, size: printing ? 10 : 12, color: colours.ink },
-    separators: ".\u202f", margin: { l: 44, r: 12, t: 24, b: 40 }, dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
+    separators: ".\u202f", margin: { l: 44, r: 12, t: 24, b: 42 }, dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
     hoverlabel: { bgcolor: colours.page, bordercolor: colours.hair, font: { color: colours.ink, size: 12 }, align: "left" },
-    template: { layout: { xaxis: axis, yaxis: axis } } } };
+    // only the labels beside an axis may need room, which hangs on the height alone: margins that hang on one another
+    // are drawn again and again
+    template: { layout: { xaxis: { ...axis, tickangle: 0 }, yaxis: { ...axis, automargin: true } } } } };
 }
 
 // -- figures -----------------------------------------------------------------------------------------------------
