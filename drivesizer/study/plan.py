@@ -414,7 +414,7 @@ def _axes(spec: YamlSource) -> list[str]:
 
 
 Places = tuple[int, ...]  # of a point on each axis; of ranges counted in the smallest parts of their steps
-MOST = 10_000_000  # variants of a study
+MOST, MOST_IN_CHUNKS = 10_000_000, 100_000_000  # variants of a study in one table, and in many
 
 
 class Variant(NamedTuple):
@@ -682,11 +682,11 @@ def _catalogs(source: YamlSource, study: StudyFile, folder: Path) -> tuple[tuple
     )
 
 
-def _few_enough(plan: Plan, total: int) -> Plan:
-    if total > MOST:
+def _few_enough(plan: Plan, total: int, most: int = MOST_IN_CHUNKS) -> Plan:
+    if total > most:
         where = plan.source.where(("vary",)) if plan.job.axes else plan.source.name
         raise InputError(
-            f"{where}: makes {total} variants; expected at most {MOST}, by fewer steps or as several studies"
+            f"{where}: makes {total} variants; expected at most {most}, by fewer steps or as several studies"
         )
     return plan
 
@@ -711,7 +711,7 @@ def _refinable(plan: Plan) -> Plan:
 def _sampled(plan: Plan, hypercube: Hypercube) -> Plan:
     """The plan with its samples: the range of each field in as many equal parts as samples, one sample in each."""
     count = hypercube.latin_hypercube
-    _few_enough(plan, count * len(plan.job.catalogs) * len(plan.job.objectives))
+    _few_enough(plan, count * len(plan.job.catalogs) * len(plan.job.objectives), MOST)
     shares = np.empty((count, len(plan.job.axes)))
     for n in range(shares.shape[1]):  # each field has its own generator: further fields change nothing
         generator = np.random.default_rng([hypercube.seed, n])

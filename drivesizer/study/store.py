@@ -32,6 +32,7 @@ from zlib import crc32
 
 import numpy as np
 from filelock import FileLock, Timeout
+from numpy.typing import NDArray
 
 from drivesizer.catalog import load
 from drivesizer.errors import InputError, reason_of
@@ -175,7 +176,8 @@ class Store:
                 file.write(b"\n")
 
     def _grow(self, points: int) -> None:
-        self.places = np.concatenate([self.places, np.full(max(points - len(self.places), 0), -1, np.int64)])
+        if points > len(self.places):
+            self.places = np.concatenate([self.places, np.full(points - len(self.places), -1, np.int64)])
 
     def keep(self, part: Part) -> None:
         """Store the rows of some points."""
@@ -189,10 +191,10 @@ class Store:
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written ({reason_of(error)})") from None
 
-    def missing(self, points: int) -> list[list[int]]:
-        """Points to be computed, of the first so many: lists out of which a task may have some."""
+    def missing(self, points: int) -> list[NDArray[np.int64]]:
+        """Points to be computed, of the first so many: stretches out of which a task may have some."""
         self._grow(points)
-        return [np.flatnonzero(self.places[:points] < 0).tolist()]
+        return [np.flatnonzero(self.places[:points] < 0)]
 
     def computation(self, plan: Plan) -> Callable[[Job, Sequence[Variant]], Part]:
         """The function that computes a task: here its rows are given back."""
@@ -288,11 +290,10 @@ class Chunks(Store):
     kind: Mapping[str, str] = {"rows": "chunks"}
     most_of_task = 1000
 
-    def missing(self, points: int) -> list[list[int]]:
+    def missing(self, points: int) -> list[NDArray[np.int64]]:
         """The same; a chunk has points one after the other."""
         (points_left,) = super().missing(points)
-        ends = np.flatnonzero(np.diff(points_left) > 1) + 1
-        return [stretch.tolist() for stretch in np.split(np.array(points_left, np.int64), ends)]
+        return np.split(points_left, np.flatnonzero(np.diff(points_left) > 1) + 1)
 
     def computation(self, plan: Plan) -> Callable[[Job, Sequence[Variant]], Part]:
         """The function that computes a task and writes its rows."""

@@ -19,9 +19,9 @@ from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 from drivesizer.study.figures import path_of
-from drivesizer.study.plan import MOST, read_study
+from drivesizer.study.plan import MOST, MOST_IN_CHUNKS, read_study
 from drivesizer.study.rows import best, columns_of, document_of, rows_of, spec_of
-from drivesizer.study.run import refuse_if_all_invalid
+from drivesizer.study.run import carry_out, refuse_if_all_invalid
 from drivesizer.units import to_si
 
 
@@ -174,8 +174,8 @@ LARGE = (
         ("spec: nowhere.yaml\n", 'study.yaml:1: spec: "nowhere.yaml" cannot be read (no such file or directory)'),
         ("spec: robot.yaml\nobjectives: [mas]\n", 'objectives[1]: objective "mas" is not known; expected mass, price'),
         ("spec: robot.yaml\nobjectives: [mass, mass]\n", '"mass" is given twice'),
-        (LARGE.replace("2500", "2501"),
-         f"vary: makes 10004000 variants; expected at most {MOST}"),
+        (LARGE.replace("2500", "25001"),
+         f"vary: makes 100004000 variants; expected at most {MOST_IN_CHUNKS}"),
         (VARY + "load.mass: [30 kg]\nsampling: {latin_hypercube: 10000001}\n", "makes 10000001 variants"),
     ],
 )  # fmt: skip
@@ -187,6 +187,9 @@ def test_ten_million_variants_are_a_plan_and_no_list(tmp_path):
     plan = planned(tmp_path, LARGE)
     assert plan.total == MOST
     assert plan.variant(MOST).values == ("2.0 kg", "2.0 m/s")
+    more = planned(tmp_path, LARGE.replace("2500", "2501"))
+    said = "makes 10004000 variants; expected at most 10000000, more by --chunks"
+    assert said in refusal(lambda: carry_out(more, tmp_path / "study", processes=1))
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
