@@ -12,18 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import (
-    Report,
-    accept_reports,
-    answer,
-    at_a_terminal,
-    file_argument,
-    file_option,
-    present,
-    print_json,
-    show_blocks,
-    whole_option,
-)
+from drivesizer.commands import common
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.writing import new, ready, write_files
 from drivesizer.output.words import number_of
@@ -74,7 +63,7 @@ def write_csv(path: Path, hits: list[PartRow]) -> None:
 
 
 def export(
-    output: Annotated[Path, file_option("--output", "-o", help="parts.csv (one section) or parts.json.")],
+    output: Annotated[Path, common.file_option("--output", "-o", help="parts.csv (one section) or parts.json.")],
     section: Section = None,
     catalog: Names = None,
 ) -> None:
@@ -101,10 +90,14 @@ Stated = Annotated[str | None, typer.Option(help="As in the map, and before it."
 
 
 def take_in(
-    file: Annotated[Path, file_argument(metavar="FILE", help="CSV, XLSX, a data sheet (PDF, text), JSON, .cfg, MJCF.")],
+    file: Annotated[
+        Path, common.file_argument(metavar="FILE", help="CSV, XLSX, a data sheet (PDF, text), JSON, .cfg, MJCF.")
+    ],
     section: Annotated[str, typer.Option(help="motors, gearheads, ...; without it the kind that fits best.")] = "",
-    map_: Annotated[Path | None, file_option("--map", help="YAML: their header to our column, source, maker.")] = None,
-    output: Annotated[Path | None, file_option("--output", "-o", help="The catalogue file to write.")] = None,
+    map_: Annotated[
+        Path | None, common.file_option("--map", help="YAML: their header to our column, source, maker.")
+    ] = None,
+    output: Annotated[Path | None, common.file_option("--output", "-o", help="The catalogue file to write.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be read.")] = False,
     replaced: Annotated[bool, typer.Option("--replace", help="Write over files of an import before.")] = False,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="COLUMN=FIGURE", help="Of all parts.")] = None,
@@ -139,7 +132,7 @@ def take_in(
     partners = open_named(with_) if with_ else {}
     tables = sheets(file)
     imported = import_table(tables, file, planned, target, partners)
-    if map_ is None and at_a_terminal():
+    if map_ is None and common.at_a_terminal():
         answered = _completed(imported, planned)
         imported = imported if answered is planned else import_table(tables, file, answered, target, partners)
     written, files = list[str](), dict[Path, bytes]()  # before anything is printed, whose reader may go away
@@ -161,10 +154,10 @@ def take_in(
     else:
         for path, content in files.items():
             new(path, content)
-    show_blocks(catalogue.imported(imported, guessed=map_ is None))
+    common.show_blocks(catalogue.imported(imported, guessed=map_ is None))
     wrong = [finding for finding in checked(imported.catalog) if finding.unexplained]
     if wrong:
-        show_blocks(catalogue.findings(wrong))
+        common.show_blocks(catalogue.findings(wrong))
     for line in written:
         typer.echo(line)
 
@@ -173,19 +166,19 @@ def _completed(imported: Imported, planned: Plan) -> Plan:
     """The plan of an import with what the user says of heads that were not understood, and of the motors' kind."""
     from drivesizer.catalog import columns_of
 
-    known, answers, common = columns_of(imported.section), dict(planned.answers), dict(planned.common)
+    known, answers, shared = columns_of(imported.section), dict(planned.answers), dict(planned.common)
     for head, first in zip(imported.heads, imported.examples, strict=True):
         if head.theirs and not head.column and not head.lacks and first:
             question = f"column of {quoted(head.theirs)}, first {quoted(first)}; empty: left out"
-            if column := answer(question, lambda text: _one_of(text, known)):
+            if column := common.answer(question, lambda text: _one_of(text, known)):
                 answers[head.theirs] = column
-    columns, kinds = {*common, *answers.values(), *(head.column for head in imported.heads)}, ("brushed", "brushless")
+    columns, kinds = {*shared, *answers.values(), *(head.column for head in imported.heads)}, ("brushed", "brushless")
     if imported.section in ("motors", "actuators") and "kind" not in columns:
-        kind = answer(f"kind of the {imported.section}: {' or '.join(kinds)}", lambda text: _one_of(text, kinds))
-        common |= {"kind": kind} if kind else {}
-    if answers == planned.answers and common == planned.common:
+        kind = common.answer(f"kind of the {imported.section}: {' or '.join(kinds)}", lambda text: _one_of(text, kinds))
+        shared |= {"kind": kind} if kind else {}
+    if answers == planned.answers and shared == planned.common:
         return planned
-    return replace(planned, section=imported.section, common=common, answers=answers)
+    return replace(planned, section=imported.section, common=shared, answers=answers)
 
 
 def _one_of(text: str, known: Iterable[str]) -> None:
@@ -204,7 +197,7 @@ def _target(output: Path, dry_run: bool = False) -> Path:
 
 
 def add(
-    output: Annotated[Path, file_option("--output", "-o", help="Your catalogue file: made, or extended.")],
+    output: Annotated[Path, common.file_option("--output", "-o", help="Your catalogue file: made, or extended.")],
     section: Annotated[str, typer.Option(help="motors, gearheads, actuators ...")] = "motors",
     set_: Annotated[
         list[str] | None,
@@ -235,8 +228,8 @@ def add(
         return read(**{NAME: "x"} | {name: text})
 
     fields = {meant_by(section, name) for name in figures}
-    for name in (NAME, "maker", *on_shop_pages(section), *SHARED) if at_a_terminal() else ():
-        if name not in fields and (figure := answer(_question(section, name), partial(read_with, name))):
+    for name in (NAME, "maker", *on_shop_pages(section), *SHARED) if common.at_a_terminal() else ():
+        if name not in fields and (figure := common.answer(_question(section, name), partial(read_with, name))):
             figures[name] = figure
     if NAME not in figures:
         raise InputError("--set: the part has no name; expected e.g. --set name=775")
@@ -244,9 +237,9 @@ def add(
     content = with_part(output.read_text(encoding="utf-8") if output.exists() else empty, str(output), part)
     write_files({output: content.encode()})
     catalog = catalog_of_text(Path("added.yaml"), part.encode())
-    show_blocks(catalogue.added(catalog, section, output))
+    common.show_blocks(catalogue.added(catalog, section, output))
     if wrong := [finding for finding in checked(catalog) if finding.unexplained]:
-        show_blocks(catalogue.findings(wrong))
+        common.show_blocks(catalogue.findings(wrong))
 
 
 def _question(section: str, name: str) -> str:
@@ -273,9 +266,9 @@ app = typer.Typer(
 )
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else, figures in SI.")]
-Csv = Annotated[Path | None, file_option("--csv", metavar="FILE", help="Also write the parts to this CSV file.")]
+Csv = Annotated[Path | None, common.file_option("--csv", metavar="FILE", help="Also write the parts to this CSV file.")]
 Limit = Annotated[
-    int, whole_option("--limit", 100, 1, meaning="How many parts the table shows; JSON and CSV hold all.")
+    int, common.whole_option("--limit", 100, 1, meaning="How many parts the table shows; JSON and CSV hold all.")
 ]
 
 
@@ -294,18 +287,18 @@ def listed(
     limit: Limit = 40,
     json: Json = False,
     csv: Csv = None,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """List the parts that meet conditions, or all families."""
     from drivesizer.catalog.query import as_document, name_of
     from drivesizer.output.document import catalogue
 
-    accept_reports(report)
+    common.accept_reports(report)
     shelf = open_named(catalog)
     options = {"family": family, "voltage": voltage, "diameter": diameter, "power": power, "kind": kind}
     conditions = [*filter(None, options.values()), *(where or ()), sort]
     if section is None and not any(conditions) and not (json or csv):
-        present(catalogue.overview(shelf), report)
+        common.present(catalogue.overview(shelf), report)
         return
     selections = _selected(shelf, section, options, where or [], sort=sort, excluded=excluded)
     hits = [hit for selection in selections.values() for hit in selection.hits]
@@ -313,11 +306,11 @@ def listed(
         write_csv(csv, hits)
     if json:
         undecided = sum(selection.undecided for selection in selections.values())
-        print_json({"found": len(hits), "undecided": undecided} | as_document(shelf, hits))
+        common.print_json({"found": len(hits), "undecided": undecided} | as_document(shelf, hits))
         raise typer.Exit(0 if hits else 1)
     named = [*(name_of(text) for text in where or []), sort.removeprefix("-")]  # columns that conditions name
     sections = {name: selection for name, selection in selections.items() if selection.hits or section or not hits}
-    present(catalogue.listing(sections, limit, named), report)
+    common.present(catalogue.listing(sections, limit, named), report)
     raise typer.Exit(0 if hits else 1)
 
 
@@ -345,12 +338,12 @@ def show(
     catalog: Names = None,
     source: Annotated[bool, typer.Option("--source", help="Source and confidence of each figure.")] = False,
     json: Json = False,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """Show one part as a data sheet, with matching parts; one of several voltages as a column for each."""
     from drivesizer.catalog.query import as_document, find, partners, side_by_side
 
-    accept_reports(report)
+    common.accept_reports(report)
     shelf = open_named(catalog)
     hits = find(shelf, part)
     if json:
@@ -360,7 +353,7 @@ def show(
         for record, hit in zip(document["parts"], hits, strict=True):
             record["goes_with"] = partners(hit)
             record["estimates"] = as_records(hit.table, hit.row)
-        print_json(document)
+        common.print_json(document)
         return
     from drivesizer.output.document import catalogue
 
@@ -372,9 +365,9 @@ def show(
         raise InputError(f"{quoted(part)} is several parts; expected a report of one, of --catalog {hits[0].catalogue}")
     for rows in same.values():
         if len(rows) == 1:
-            present(catalogue.page(rows[0], sources=source), report)
+            common.present(catalogue.page(rows[0], sources=source), report)
             continue
-        present(catalogue.comparison(rows, side_by_side(rows)), report)
+        common.present(catalogue.comparison(rows, side_by_side(rows)), report)
         print(f"\nwith curves and what goes with it: drivesizer catalog show {shlex.quote(rows[0].part)}")
 
 
@@ -384,23 +377,23 @@ def compare(
     catalog: Names = None,
     differing: Annotated[bool, typer.Option("--differing", help="Only rows that differ, or may.")] = False,
     json: Json = False,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """Set parts side by side, the rows that differ marked."""
     from drivesizer.catalog.query import as_document, find, side_by_side
 
-    accept_reports(report)
+    common.accept_reports(report)
     shelf = open_named(catalog)
     hits = [hit for part in dict.fromkeys(parts) for hit in find(shelf, part)]
     if len(hits) < 2:
         raise InputError(f"{quoted(' '.join(parts))} is one part; expected two or more to compare")
     rows = [row for row in side_by_side(hits) if row.differs is not False or not differing]
     if json:
-        print_json(as_document(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}})
+        common.print_json(as_document(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}})
         return
     from drivesizer.output.document import catalogue
 
-    present(catalogue.comparison(hits, rows), report)
+    common.present(catalogue.comparison(hits, rows), report)
 
 
 @app.command(epilog="Example: drivesizer catalog search 'RE 25'")
@@ -418,11 +411,11 @@ def search(
     has_hits = bool(parts or any(groups.values()))
     if json:
         names = {section: {name: len(hits) for name, hits in group.items()} for section, group in groups.items()}
-        print_json({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]})
+        common.print_json({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]})
     elif has_hits:
         from drivesizer.output.document import catalogue
 
-        show_blocks(catalogue.searched(groups, parts, limit))
+        common.show_blocks(catalogue.searched(groups, parts, limit))
     else:
         known = {name for group in families(shelf).values() for name in group} | {hit.part for hit in all_parts(shelf)}
         typer.echo(f"drivesizer: {quoted(text)} is in no number, family or kind{nearest(text, known)}", err=True)
@@ -430,20 +423,20 @@ def search(
 
 
 @app.command(epilog="Example: drivesizer catalog stats --catalog maxon")
-def stats(catalog: Names = None, json: Json = False, report: Report = None) -> None:
+def stats(catalog: Names = None, json: Json = False, report: common.Report = None) -> None:
     """Show the completeness of the catalogues and the confidence of their figures."""
-    accept_reports(report)
+    common.accept_reports(report)
     shelf = open_named(catalog)
     if json:
         from drivesizer.catalog import PARTS
         from drivesizer.catalog.query import coverage, pairs_of
 
         sections = {name: {s: coverage(c, s)._asdict() for s in PARTS} for name, c in shelf.items()}
-        print_json({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}})
+        common.print_json({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}})
         return
     from drivesizer.output.document import catalogue
 
-    present(catalogue.statistics(shelf), report)
+    common.present(catalogue.statistics(shelf), report)
 
 
 @app.command(epilog="Example: drivesizer catalog check --catalog my_parts.yaml")
@@ -459,11 +452,13 @@ def check(
     if json:
         from drivesizer.catalog.query import as_finding
 
-        print_json({"findings": [as_finding(finding) for finding in findings if finding.unexplained or everything]})
+        common.print_json(
+            {"findings": [as_finding(finding) for finding in findings if finding.unexplained or everything]}
+        )
     else:
         from drivesizer.output.document import catalogue
 
-        show_blocks(catalogue.findings(findings, everything=everything))
+        common.show_blocks(catalogue.findings(findings, everything=everything))
     raise typer.Exit(1 if any(finding.unexplained for finding in findings) else 0)
 
 

@@ -10,16 +10,6 @@ import typer
 
 from drivesizer.commands import common
 from drivesizer.commands.catalog import Names
-from drivesizer.commands.common import (
-    DriveOption,
-    Json,
-    More,
-    OfAxis,
-    Profile,
-    file_argument,
-    file_option,
-    number_option,
-)
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.writing import check_targets, ready, write_files
 
@@ -48,7 +38,7 @@ def predict(
     hold: Annotated[str | None, typer.Option(help="Torque held at rest; else the load.")] = None,
     inertia: Annotated[str | None, typer.Option(help="Of what is mounted at the output; else nothing.")] = None,
     minutes: Annotated[
-        float, number_option("--minutes", 60.0, meaning="How long it runs at the load, and holds.")
+        float, common.number_option("--minutes", 60.0, meaning="How long it runs at the load, and holds.")
     ] = 60.0,
     warm: Annotated[
         str | None, typer.Option(help="Temperature at a warm start; else the housing's after long nominal work.")
@@ -56,9 +46,9 @@ def predict(
     spec: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A robot.yaml: its machine gives what is not given here.")
     ] = None,
-    json: Json = False,
+    json: common.Json = False,
     figure: Annotated[
-        Path | None, file_option(metavar="FILE", help="Also draw line and temperatures: .svg or .png.")
+        Path | None, common.file_option(metavar="FILE", help="Also draw line and temperatures: .svg or .png.")
     ] = None,
     report: common.Report = None,
 ) -> None:
@@ -105,9 +95,11 @@ _SPECS = (".yaml", ".yml")
 
 LogFile = Annotated[
     Path,
-    file_argument(metavar="LOG", help="CSV, TSV, XLSX, SysId JSON, .wpilog, a pendulum's or a calibration's JSON."),
+    common.file_argument(
+        metavar="LOG", help="CSV, TSV, XLSX, SysId JSON, .wpilog, a pendulum's or a calibration's JSON."
+    ),
 ]
-OfSpec = Annotated[Path | None, file_option("--spec", metavar="ROBOT.YAML", help="The machine that was logged.")]
+OfSpec = Annotated[Path | None, common.file_option("--spec", metavar="ROBOT.YAML", help="The machine that was logged.")]
 Scales = Annotated[
     list[str] | None, typer.Option("--scale", metavar="COLUMN=FACTOR", help="speed=6.2832; may be repeated.")
 ]
@@ -121,17 +113,17 @@ def identify(
     log: LogFile,
     motor: Annotated[str | None, typer.Option(metavar="PART", help="The motor, by its number in a catalogue.")] = None,
     spec: OfSpec = None,
-    chosen: DriveOption = None,
+    chosen: common.DriveOption = None,
     inertia: Annotated[str | None, typer.Option(help="Known, of what is mounted at the output.")] = None,
     ratio: Annotated[float, common.number_option("--ratio", 9.0, meaning="Of gears before a logged torque.")] = 1.0,
     column: Heads = None,
     scale: Scales = None,
-    json: Json = False,
+    json: common.Json = False,
     output: Annotated[
         list[Path] | None,
-        file_option("--output", "-o", help="Measured against model (.svg, .pdf, .png), or a catalogue (.yaml)."),
+        common.file_option("--output", "-o", help="Measured against model (.svg, .pdf, .png), or a catalogue (.yaml)."),
     ] = None,
-    axis: OfAxis = None,
+    axis: common.OfAxis = None,
     catalogs: Names = None,
     report: common.Report = None,
 ) -> None:
@@ -229,21 +221,22 @@ def _reference(
 def compare(
     log: LogFile,
     spec: Annotated[
-        Path, file_option("--spec", metavar="ROBOT.YAML", help="The machine that was logged; robot.yaml by default.")
+        Path,
+        common.file_option("--spec", metavar="ROBOT.YAML", help="The machine that was logged; robot.yaml by default."),
     ] = common.DEFAULT,
-    profile: Profile = None,
-    chosen: DriveOption = None,
+    profile: common.Profile = None,
+    chosen: common.DriveOption = None,
     column: Heads = None,
     scale: Scales = None,
-    json: Json = False,
+    json: common.Json = False,
     output: Annotated[
         list[Path] | None,
-        file_option(
+        common.file_option(
             "--output", "-o", help="Torque measured against required (.svg, .pdf, .png), or the corrected spec."
         ),
     ] = None,
-    axis: OfAxis = None,
-    catalogs: More = None,
+    axis: common.OfAxis = None,
+    catalogs: common.More = None,
     report: common.Report = None,
 ) -> None:
     """Hold a machine's log against its sizing: margins that are really left, and what explains the difference."""

@@ -8,19 +8,6 @@ from typing import Annotated
 import typer
 
 from drivesizer.commands import common
-from drivesizer.commands.common import (
-    DEFAULT,
-    TOP,
-    DriveOption,
-    Fields,
-    Json,
-    More,
-    OfAxis,
-    Profile,
-    Spec,
-    Top,
-    file_option,
-)
 from drivesizer.commands.setup import start_by_questions
 from drivesizer.errors import InputError
 
@@ -51,8 +38,8 @@ _CHOICES = 200  # drives of a page, to choose from by weights
 
 
 def size(
-    spec: Spec = DEFAULT,
-    top: Top = TOP,
+    spec: common.Spec = common.DEFAULT,
+    top: common.Top = common.TOP,
     objective: Objective = None,
     pareto: Pareto = None,
     confidence: Confidence = None,
@@ -60,9 +47,9 @@ def size(
     seed: Seed = None,
     loop_samples: LoopSamples = None,
     processes: Processes = 1,
-    json: Json = False,
-    csv: Annotated[Path | None, file_option(help="Also write the drives to this CSV file.")] = None,
-    pdf: Annotated[Path | None, file_option(help="Also write the report to this PDF file.")] = None,
+    json: common.Json = False,
+    csv: Annotated[Path | None, common.file_option(help="Also write the drives to this CSV file.")] = None,
+    pdf: Annotated[Path | None, common.file_option(help="Also write the report to this PDF file.")] = None,
     checks: Annotated[bool, typer.Option("--checks", help="Also every check, and the operating figures.")] = False,
     derivation: Annotated[bool, typer.Option("--derivation", help="Also the requirements.")] = False,
     beside: Annotated[bool, typer.Option("--paper", help="Also the same drive by the other method.")] = False,
@@ -70,20 +57,20 @@ def size(
         bool, typer.Option("--verbose", "-v", help="All of that, the next best, and why the others fail.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no alternatives, no notes.")] = False,
-    axis: OfAxis = None,
-    catalogs: More = None,
-    fields: Fields = None,
+    axis: common.OfAxis = None,
+    catalogs: common.More = None,
+    fields: common.Fields = None,
 ) -> None:
     """Find the drive: parts list, verdict, tightest checks, alternatives."""
     from drivesizer.output import report as reports
     from drivesizer.output.terminal import sizing as terminal
 
-    if spec == DEFAULT and not spec.exists() and not json and common.at_a_terminal():
+    if spec == common.DEFAULT and not spec.exists() and not json and common.at_a_terminal():
         start_by_questions(spec)
     robot = common.load(spec, catalogs, axis, fields)
     reports.accept([pdf] if pdf else [], tables=[csv] if csv else [])
     result = common.sized(robot, top, objective, (confidence, samples, seed, processes, loop_samples), pareto)
-    sizing, named = result.alone, "" if spec == DEFAULT else str(spec)
+    sizing, named = result.alone, "" if spec == common.DEFAULT else str(spec)
     if csv:
         reports.write_sets(sizing or result, csv)
     if pdf:
@@ -93,7 +80,7 @@ def size(
     if json:
         common.print_json(result)
         raise typer.Exit(int(result.status == "fail"))
-    options = {"checks": checks, "derivation": derivation, "paper": beside, "ranking": top != TOP}
+    options = {"checks": checks, "derivation": derivation, "paper": beside, "ranking": top != common.TOP}
     details = terminal.DETAILS if verbose else frozenset(name for name, on in options.items() if on)
     if sizing:
         terminal.sizing(sizing, details=details, spec=named, quiet=quiet)
@@ -110,15 +97,16 @@ def size(
 
 def report(
     output: Annotated[
-        list[Path], file_option("--output", "-o", help="A file to write; may be repeated. Its suffix gives its kind.")
+        list[Path],
+        common.file_option("--output", "-o", help="A file to write; may be repeated. Its suffix gives its kind."),
     ],
-    spec: Spec = DEFAULT,
-    top: Top = 10,
-    profile: Profile = None,
+    spec: common.Spec = common.DEFAULT,
+    top: common.Top = 10,
+    profile: common.Profile = None,
     objective: Objective = None,
     pareto: Pareto = None,
     drawings: Annotated[
-        Path | None, file_option("--figures", metavar="FOLDER", help="Also every figure, as SVG and as PNG.")
+        Path | None, common.file_option("--figures", metavar="FOLDER", help="Also every figure, as SVG and as PNG.")
     ] = None,
     confidence: Confidence = None,
     samples: Samples = None,
@@ -127,9 +115,9 @@ def report(
     processes: Processes = 1,
     paper: Annotated[str, typer.Option(help="Sheets of the PDF: a4 or us-letter.")] = "a4",
     date: Annotated[str | None, typer.Option(metavar="TEXT", help="Date that the PDF and the page carry.")] = None,
-    axis: OfAxis = None,
-    catalogs: More = None,
-    fields: Fields = None,
+    axis: common.OfAxis = None,
+    catalogs: common.More = None,
+    fields: common.Fields = None,
 ) -> None:
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
     from drivesizer.output import report as reports
@@ -149,13 +137,13 @@ def report(
 
 def quote(
     output: Annotated[
-        list[Path], file_option("--output", "-o", help="quote.csv or quote.xlsx; may be repeated for both.")
+        list[Path], common.file_option("--output", "-o", help="quote.csv or quote.xlsx; may be repeated for both.")
     ],
-    spec: Spec = DEFAULT,
+    spec: common.Spec = common.DEFAULT,
     objective: Objective = None,
-    axis: OfAxis = None,
-    catalogs: More = None,
-    fields: Fields = None,
+    axis: common.OfAxis = None,
+    catalogs: common.More = None,
+    fields: common.Fields = None,
 ) -> None:
     """Write what to order: numbers, prices with date and seller, totals for each currency, and what is missing."""
     from drivesizer.output import report as reports
@@ -178,14 +166,14 @@ def quote(
 def explain(
     motor: Annotated[str, typer.Option(help="Part number of the motor, or of an actuator.")],
     gearhead: Annotated[str, typer.Option(help="Part number of the gearhead; `direct` is none.")] = "",
-    spec: Spec = DEFAULT,
+    spec: common.Spec = common.DEFAULT,
     samples: Samples = None,
     seed: Seed = None,
     loop_samples: LoopSamples = None,
-    json: Json = False,
-    axis: OfAxis = None,
-    catalogs: More = None,
-    fields: Fields = None,
+    json: common.Json = False,
+    axis: common.OfAxis = None,
+    catalogs: common.More = None,
+    fields: common.Fields = None,
 ) -> None:
     """Show why one combination of motor and gearhead passes or fails, check by check."""
     from drivesizer.output.terminal import sizing as terminal
@@ -217,18 +205,18 @@ def explain(
 
 
 def export(
-    output: Annotated[Path, file_option("--output", "-o", help="The file to write.")],
+    output: Annotated[Path, common.file_option("--output", "-o", help="The file to write.")],
     form: Annotated[str, typer.Option("--format", metavar="NAME", help="mjcf, urdf, sdf, ros2_control, fmu or json.")],
-    spec: Spec = DEFAULT,
-    chosen: DriveOption = None,
-    axis: OfAxis = None,
+    spec: common.Spec = common.DEFAULT,
+    chosen: common.DriveOption = None,
+    axis: common.OfAxis = None,
     wheel: Annotated[
         int | None,
         common.whole_option(
             "--wheel", 1, metavar="N", meaning="Of a platform: the drive of one wheel; else the base with all."
         ),
     ] = None,
-    catalogs: More = None,
+    catalogs: common.More = None,
 ) -> None:
     """Write a drive for a simulator: MuJoCo, URDF, Gazebo, ros2_control, an FMU, or plain JSON.
 

@@ -9,17 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drivesizer.commands import common
-from drivesizer.commands.common import (
-    DEFAULT,
-    DriveOption,
-    Json,
-    More,
-    OfAxis,
-    Profile,
-    Spec,
-    file_argument,
-    file_option,
-)
 from drivesizer.errors import InputError, NoLoopError, quoted
 
 if TYPE_CHECKING:
@@ -44,15 +33,15 @@ Unconfirmed = Annotated[bool, typer.Option("--unconfirmed", help="Also write wha
 
 
 def commission(
-    spec: Spec = DEFAULT,
+    spec: common.Spec = common.DEFAULT,
     device: OfDevice = None,
     firmware: OfFirmware = None,
-    output: Annotated[Path | None, file_option("--output", "-o", help="The file to write.")] = None,
+    output: Annotated[Path | None, common.file_option("--output", "-o", help="The file to write.")] = None,
     unconfirmed: Unconfirmed = False,
     settings: Settings = None,
-    chosen: DriveOption = None,
-    axis: OfAxis = None,
-    catalogs: More = None,
+    chosen: common.DriveOption = None,
+    axis: common.OfAxis = None,
+    catalogs: common.More = None,
 ) -> None:
     """Write the drive's gains and limits as its controller takes them, and what they stand for after rounding."""
     from drivesizer.files.writing import write_files
@@ -167,13 +156,14 @@ def _remarks(device: Device, result: Commissioned, board: dict[str, float]) -> l
 
 
 def validate(
-    spec: Spec = DEFAULT,
-    profile: Profile = None,
-    chosen: DriveOption = None,
-    json: Json = False,
-    csv: Annotated[Path | None, file_option(help="Also write the time series to this CSV file.")] = None,
+    spec: common.Spec = common.DEFAULT,
+    profile: common.Profile = None,
+    chosen: common.DriveOption = None,
+    json: common.Json = False,
+    csv: Annotated[Path | None, common.file_option(help="Also write the time series to this CSV file.")] = None,
     drawings: Annotated[
-        Path | None, file_option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
+        Path | None,
+        common.file_option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG."),
     ] = None,
     case: Annotated[
         str | None, typer.Option(metavar="NAME", help="The load case to simulate; else the hardest.")
@@ -183,8 +173,8 @@ def validate(
     checks: Annotated[bool, typer.Option("--checks", help="Also every check, the gains, and the loops.")] = False,
     device: OfDevice = None,
     firmware: OfFirmware = None,
-    axis: OfAxis = None,
-    catalogs: More = None,
+    axis: common.OfAxis = None,
+    catalogs: common.More = None,
 ) -> None:
     """Simulate a drive over the profile in closed loop: every demand against its limit."""
     from drivesizer.output import report as reports
@@ -282,12 +272,13 @@ def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: in
 
 
 def drive(
-    spec: Spec = DEFAULT,
+    spec: common.Spec = common.DEFAULT,
     trajectory: Annotated[
-        Path | None, file_argument(metavar="TRAJECTORY.CSV", help="t, x, y, heading; or waypoints; else the spec's.")
+        Path | None,
+        common.file_argument(metavar="TRAJECTORY.CSV", help="t, x, y, heading; or waypoints; else the spec's."),
     ] = None,
-    chosen: DriveOption = None,
-    json: Json = False,
+    chosen: common.DriveOption = None,
+    json: common.Json = False,
     follow: Annotated[
         bool, typer.Option("--follow", help="Also simulate path following: both robot models, slip, poses fed back.")
     ] = False,
@@ -295,11 +286,12 @@ def drive(
         list[int] | None,
         common.whole_option("--failed", 2, metavar="WHEEL", meaning="A wheel whose motor has failed; may be repeated."),
     ] = None,
-    csv: Annotated[Path | None, file_option(help="Also write posture, speeds and torques over time.")] = None,
+    csv: Annotated[Path | None, common.file_option(help="Also write posture, speeds and torques over time.")] = None,
     drawings: Annotated[
-        Path | None, file_option("--figures", metavar="FOLDER", help="Also draw path and errors (--follow): SVG, PNG.")
+        Path | None,
+        common.file_option("--figures", metavar="FOLDER", help="Also draw path and errors (--follow): SVG, PNG."),
     ] = None,
-    catalogs: More = None,
+    catalogs: common.More = None,
 ) -> None:
     """Drive a platform along a trajectory: requirements at each wheel, checks of a drive, speeds that it permits."""
     from drivesizer.load_cases.platform import driving, with_trajectory

@@ -25,17 +25,10 @@ from drivesizer.physics.counted_speed import speed_quantum
 from drivesizer.physics.figures import Range
 from drivesizer.physics.load_cycle import lasting_speeds, rms
 from drivesizer.physics.power_stage import of_the_source
+from drivesizer.results import ratings
 from drivesizer.results.check import Band, Check, Figure, figure
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import voltage_assumption
-from drivesizer.results.ratings import (
-    continuous_speed_limit,
-    controller_current,
-    electrical_speed_limit,
-    motor_speed_limit,
-    nominal_current_limit,
-    unless_printed,
-)
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
 from drivesizer.units import show
 
@@ -230,7 +223,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     inside = controller.part == (actuator.part if actuator else None)
 
     def printed(column: CheckColumn, figure: str) -> CheckColumn:
-        return unless_printed(column, figure, case.drive_set) if inside else column
+        return ratings.unless_printed(column, figure, case.drive_set) if inside else column
 
     ideal = "required to follow the profile without limits"
     usable: Any = case.usable_voltage
@@ -248,7 +241,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     )
     peak = at_most("controller_peak_current", case.required("current_demand"), controller.peak_current)
     yield _check(printed(peak, "peak_current"), case.required("current_demand_time"), ideal)
-    lasting = float(controller_current(controller, case.spec.environment.ambient))
+    lasting = float(ratings.controller_current(controller, case.spec.environment.ambient))
     if not case.figure("current") <= lasting:  # else the sum of squares stays empty; NaN where a figure is unknown
         share = case.figure("i2t_share") if controller.peak_time > 0.0 else math.nan
         if share != 0.0:
@@ -268,11 +261,11 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
 def _heat(case: ClosedLoop) -> Iterator[Check]:
     """The motor's RMS current, and the winding's highest temperature in the periodic steady state."""
     motor, ambient, mean = case.drive_set.motor, case.spec.environment.ambient, case.figure("rms_current")
-    current = nominal_current_limit(mean, motor, ambient, motor_needed(case.spec, 0.0))
+    current = ratings.nominal_current_limit(mean, motor, ambient, motor_needed(case.spec, 0.0))
     if case.spec.once and case.periodic:
         current = current._replace(limit=np.full_like(current.limit, math.inf), failed=current.failed & False)
     yield _check(
-        unless_printed(current, "nominal_current", case.drive_set),
+        ratings.unless_printed(current, "nominal_current", case.drive_set),
         note="the nominal current in this ambient" if ambient != thermal.rated_ambient(motor) else "",
     )
     if case.periodic:
@@ -302,12 +295,12 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
         cycle = load_cycle(case.spec, None if case.spec.load.of_shaft else case.profile)
         torque, note = float(rms(cycle.duration, cycle.torque)) / case.drive_set.belt_ratio, "of the load at rest"
     lasting = at_most("gearhead_continuous_torque", torque, gearhead.continuous_torque)
-    yield _check(unless_printed(lasting, "nominal_torque", case.drive_set), note=note)
+    yield _check(ratings.unless_printed(lasting, "nominal_torque", case.drive_set), note=note)
     peak = at_most("gearhead_intermittent_torque", case.figure("gear_torque"), gearhead.intermittent_torque)
-    yield _check(unless_printed(peak, "peak_torque", case.drive_set), case.figure("gear_torque_time"))
+    yield _check(ratings.unless_printed(peak, "peak_torque", case.drive_set), case.figure("gear_torque_time"))
     mean, sustained = _lasting(case.profile)
     yield _check(
-        continuous_speed_limit(gearhead, mean, sustained, case.train.motor_per_speed),
+        ratings.continuous_speed_limit(gearhead, mean, sustained, case.train.motor_per_speed),
         note="of the reference: the lasting speed by the maker's rule, or the mean",
     )
     yield _check(at_most("gearhead_intermittent_speed", speed, gearhead.intermittent_input_speed), when)
@@ -319,13 +312,13 @@ def _speed(case: ClosedLoop) -> Iterator[Check]:
     controller, speed, when = case.drive_set.controller or Controller(), case.figure("speed"), case.figure("speed_time")
     proposed: Any = {} if case.spec.wants_encoder else PROPOSAL
     counts = encoder.lines / (2 * math.pi) * speed
-    yield _check(motor_speed_limit(speed, motor), when)
+    yield _check(ratings.motor_speed_limit(speed, motor), when)
     yield _check(at_most("encoder_speed", speed, encoder.max_speed, **proposed), when)
     yield _check(at_most("encoder_frequency", counts, encoder.max_frequency, **proposed), when)
     yield _check(at_most("controller_frequency", counts, controller.max_encoder_frequency, **proposed), when)
     if motor.kind == "brushless":
         turns = speed * motor.pole_pairs
-        electrical = electrical_speed_limit("controller_electrical_speed", turns, motor.kind, controller)
+        electrical = ratings.electrical_speed_limit("controller_electrical_speed", turns, motor.kind, controller)
         note = "" if electrical.on_basis else "speed times pole pairs, sinusoidal commutation"
         yield _check(electrical, when, note)
 
