@@ -40,7 +40,7 @@ from drivesizer.results.sizing import frame_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study import store as folders
 from drivesizer.study.figures import row_figures
-from drivesizer.study.plan import Job, Places, Plan, Variant, planned
+from drivesizer.study.plan import MOST, Job, Places, Plan, Variant, planned
 from drivesizer.study.rows import Column, Part, Row, columns_of, forget_files, rows_of, spec_figures
 
 if TYPE_CHECKING:
@@ -175,6 +175,8 @@ def carry_out(
     """Size every variant that is not sized yet, and write tables and maps; in chunks workers write the rows."""
     if chunks and not folders.has_parquet():
         raise InputError("--chunks needs pyarrow; install drivesizer[study]")
+    if not chunks and plan.total > MOST:
+        raise InputError(f"{plan.source.name}: makes {plan.total} variants; expected at most {MOST}, more by --chunks")
     forget_files()
     origin, outcome, over = folders.made_of(plan), Outcome(), None
     if maps is not None:
@@ -230,7 +232,7 @@ def _compute(plan: Plan, store: folders.Store, on: Workers | None, progress: Pro
     several = min(max(plan.points * plan.of_each // _TASKS, 1), store.most_of_task)
     per_task = max(several // plan.of_each, 1)
     tasks = (
-        [variant for point in stretch[n : n + per_task] for variant in plan.point(point)]
+        [variant for point in stretch[n : n + per_task].tolist() for variant in plan.point(point)]
         for stretch in stretches
         for n in range(0, len(stretch), per_task)
     )
