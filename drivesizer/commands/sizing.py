@@ -89,7 +89,7 @@ def size(
         each_alone = verbose or derivation or beside or pareto
         terminal.machine_sizing(result, spec=named, checks=checks or verbose, quiet=quiet, chapters=not each_alone)
         for axis_sizing in result.axes if each_alone else ():
-            typer.echo(f"\n{axis_sizing.name}\n")
+            typer.echo()  # each has its name above it
             terminal.sizing(axis_sizing.result, details=details, quiet=True)
         common.print_notes_of_axes({} if quiet else {sizing.name: sizing.result.warnings for sizing in result.axes})
     raise typer.Exit(int(result.status == "fail"))

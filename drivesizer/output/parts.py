@@ -109,10 +109,6 @@ class PartLine:
         return self.quantity * self.price
 
 
-HEADS = {"said": "is", "mass": "mass_kg", "mass_low": "mass_low_kg", "mass_high": "mass_high_kg",
-         "pieces": "price_from_pieces", "confidence": "part_confidence",
-         "document": "part_source", "date": "part_source_date"}  # fmt: skip
-"""Names of a line's figures in CSV and JSON, where they differ."""
 NO_NUMBER = "no order number known"  # so a catalogue marks a part whose name is not the maker's
 _OF_BUYING = {"part", "mass", "price", "price_5", "price_20", "list_price", "foreign_price"}
 
@@ -170,10 +166,6 @@ def _remarks(catalog: Catalog, part: Any) -> list[Note]:
 
 
 # -- Totals of a parts list, mass and prices, and how they are printed.
-
-
-LEAST = "at least "
-"""Before a total that lacks a part."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

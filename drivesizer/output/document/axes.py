@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from drivesizer.output.report.figures.picture import Pictured
 
 
-_FIELDS = 6  # of axes in one figure, which leaves room for a heading on its page
+_FIELDS = 4  # of axes in one figure, which has room below a long table of contents
 _PIECES = 2000  # of the power over time: finer than a screen
 
 
@@ -336,7 +336,7 @@ def loads(content: MachineContent) -> Iterator[doc.Block]:
         caption = doc.sentence("axes_fields", first=first, missed=missed)
         about = "sets the load of each axis against the limits of its motor." if name == names[0] else ""
         last = caption if name == names[-1] else "Continued below."
-        yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about, floats=True)
+        yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about)
 
 
 def supply(content: MachineContent) -> Iterator[doc.Block]:

@@ -474,7 +474,7 @@ def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     rows = [doc.row("estimates", estimate, name=f"{estimate.part}_{estimate.figure}",
                     note=estimate.law.removeprefix("; "))
             for estimate in drive.estimated]  # fmt: skip
-    yield doc.table("estimates", "Estimated figures", rows)
+    yield doc.table("estimates", "Estimates and their bands", rows)
     hanging = [check for check in drive.own_checks if check.status == "open"]
     if hanging:
         yield doc.table("open", "Open checks", [(c.title, about(c.probability), c.note) for c in hanging])

@@ -189,7 +189,6 @@ def _bars(bars: Bars) -> Pictured:
     return Pictured(barred(bars), [bars])
 
 
-IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
 _MOST_PANELS = 6  # of the motor's field that can be moved
 
 
