@@ -133,9 +133,9 @@ def result_pieces(
     yield {"kind": "sections", "sections": sections, "drives": [_named(drive) for drive in listed]}
     memory.go_on()
     yield {"kind": "figures", "figures": plain(figures)}
-    for name, draw in still.items():
+    for name, drawing in still.items():
         memory.go_on()
-        yield {"kind": "still", "name": name, "address": image(draw("svg"))}
+        yield {"kind": "still", "name": name, "address": image(drawing)}
 
 
 def ranking(sizing: MachineSizing, proofs: Mapping[str, Validation] | None = None) -> Piece:

@@ -84,11 +84,6 @@ class MachineContent(Reported):
         return self.alone.words if self.alone else f"Machine of {len(names)} axes: {', '.join(names)}"
 
     @property
-    def is_found(self) -> bool:
-        """Whether every axis has a drive."""
-        return self.sizing.complete
-
-    @property
     def catalog(self) -> Catalog:
         """The catalogue of the first axis, by whose rates prices are summed."""
         return self.axes[0].content.result.catalog
@@ -126,6 +121,12 @@ class MachineContent(Reported):
     def drives(self) -> int:
         """Drives of all axes that have one."""
         return sum(axis.drives for axis in self.sizing.axes if axis.best)
+
+    @cached_property
+    def document(self) -> doc.Document:
+        """The machine on paper, but for the figures."""
+        return doc.Document(name=self.name, machine=self.words, block=self.title_block,
+                            sections=[*printed(chapters(self))], found=self.sizing.complete)  # fmt: skip
 
     @cached_property
     def loads(self) -> dict[str, Pictured]:
@@ -484,10 +485,7 @@ Reportable = MachineContent | doc.Document  # of which there are reports
 
 def document_of(content: Reportable) -> doc.Document:
     """The machine on paper, but for the figures; what is no sizing is one already."""
-    if isinstance(content, doc.Document):
-        return content
-    return doc.Document(name=content.name, machine=content.words, block=content.title_block,
-                        sections=[*printed(chapters(content))], found=content.is_found)  # fmt: skip
+    return content if isinstance(content, doc.Document) else content.document
 
 
 def wide_of(content: Reportable, media: frozenset[str]) -> Iterable[doc.Printed]:

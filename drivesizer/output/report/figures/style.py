@@ -13,7 +13,7 @@ import io
 import unicodedata
 import warnings
 from collections.abc import Callable, Sequence
-from functools import cache, wraps
+from functools import cache, cached_property, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, Literal, NamedTuple, ParamSpec
 
@@ -55,14 +55,20 @@ def house_style() -> dict[Any, Any]:
 
 
 class Drawing:
-    """A figure of a record: laid out when it is first printed as SVG, and let go when it is printed as such again."""
+    """A figure of a record, drawn when it is printed: with its letters once, for all documents that have it."""
 
     def __init__(self, draw: Callable[[Figure], object]) -> None:
         self.draw = draw
-        self._laid_out: Figure | None = None
 
     def __call__(self, form: Form = "svg") -> bytes:
         """The figure as SVG, or as PNG of 200 dots per inch."""
+        return self._typeset if form == "typeset" else self._printed(form)
+
+    @cached_property
+    def _typeset(self) -> bytes:
+        return self._printed("typeset")
+
+    def _printed(self, form: Form) -> bytes:
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -74,12 +80,9 @@ class Drawing:
             matplotlib.rcdefaults()  # not what the user's matplotlibrc says
             matplotlib.rcParams.update(house_style() | ({"svg.fonttype": "none"} if form == "typeset" else {}))
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
-            laid_out, self._laid_out = (None, self._laid_out) if kind == "png" else (self._laid_out, None)
-            target = laid_out or Figure(figsize=(_WIDTH, _WIDTH), dpi=dots)
-            if laid_out is None:
-                canvas(target)
-                self.draw(target)
-                self._laid_out = target if kind == "svg" else self._laid_out
+            target = Figure(figsize=(_WIDTH, _WIDTH), dpi=dots)
+            canvas(target)
+            self.draw(target)
             # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nothing needs
             getattr(target.canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
         return stream.getvalue()

@@ -34,9 +34,10 @@ _GROUND = re.compile(r'(<rect [^>]*)fill="(#[0-9a-f]{6})"(?=/>)')  # below a hat
 _COLOUR = re.compile(r"(?<=: )#[0-9a-f]{6}\b")
 
 
-def image(svg: bytes) -> str:
-    """A drawing as the address of an image that follows the scheme."""
-    return f"data:image/svg+xml;base64,{base64.b64encode(both_schemes(svg.decode()).encode()).decode()}"
+def image(drawing: Drawing) -> str:
+    """A drawing as the address of an image that follows the scheme, with fonts of the same width for its letters."""
+    svg = drawing("typeset").decode().replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
+    return f"data:image/svg+xml;base64,{base64.b64encode(both_schemes(svg).encode()).decode()}"
 
 
 def both_schemes(svg: str) -> str:
@@ -137,7 +138,7 @@ def filled_page(filled: dict[str, Any], figures: Mapping[str, Data], pictures: M
         .render(
             doc=doc,
             figures=figures,
-            pictures={name: image(draw("svg")) for name, draw in pictures.items()},
+            pictures={name: image(drawing) for name, drawing in pictures.items()},
             colours=COLOURS,
             style=Markup(own_file("style.css")),  # noqa: S704 - our own file
             script=Markup(script),  # noqa: S704 - our own file
