@@ -288,7 +288,7 @@ def commutation(motor: Figures) -> Array:
 
     .. math:: X = \frac{3}{2 \pi} p L, \qquad \Delta V = X w I
 
-    Of 334 maxon motors the printed nominal speeds show 0.96 of it in the median, 0.77 to 1.15 in four of five; without
+    Of 338 maxon motors the printed nominal speeds show 0.96 of it in the median, 0.76 to 1.15 in four of five; without
     it the line through no load and stall is up to 17 % too fast. Sinusoidal currents need p L w I at a right angle to
     the rest: less than half of it, while that is small.
 
