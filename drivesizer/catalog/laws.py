@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -282,11 +282,19 @@ def _in_words(expression: str | float) -> str:
     return text
 
 
-LAWS: tuple[Law, ...] = tuple(_laws())
-IDENTITIES: dict[str, dict[str, str]] = {
-    section: {law.name: law.law for law in LAWS if law.section == section and law.relation == "="} | further
-    for section, further in _TABLE["equations"].items()
-}
+@cache
+def all_laws() -> tuple[Law, ...]:
+    """The laws of all sections: only reading and checking a catalogue needs them."""
+    return tuple(_laws())
+
+
+@cache
+def _identities() -> dict[str, dict[str, str]]:
+    """The equations among them, by section and name."""
+    return {
+        section: {law.name: law.law for law in all_laws() if law.section == section and law.relation == "="} | further
+        for section, further in _TABLE["equations"].items()
+    }
 
 
 # -- What follows from other figures
@@ -314,7 +322,7 @@ def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
         table = tables[rule.section]
         if not len(table) or not (lacking := np.isnan(table[rule.figure])).any():
             continue
-        equation = IDENTITIES[rule.section][rule.identity]
+        equation = _identities()[rule.section][rule.identity]
         values = solved(equation, table, rule.figure)
         may = lacking & value(_TABLE["windings"][rule.section], table) & _applies(equation, table)
         if rule.condition:
@@ -325,7 +333,7 @@ def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
             notes.setdefault(rule, []).extend(table["part"][rows].tolist())
     derived_notes = []
     for rule, parts in notes.items():
-        follows = f"follows from {IDENTITIES[rule.section][rule.identity].partition(' where ')[0]}"
+        follows = f"follows from {_identities()[rule.section][rule.identity].partition(' where ')[0]}"
         text = f"{follows}; {rule.assumed}" if rule.assumed else follows
         derived_notes.append(Note(rule.section, tuple(parts), (rule.figure,), text, "derived", derived=True))
     return derived_notes
@@ -384,7 +392,7 @@ class Finding:
         return f"{line}: {self.meaning}" + (f"; accepted: {self.accepted}" if self.accepted else "")
 
 
-def check(catalog: Catalog, laws: Sequence[Law] = LAWS) -> list[Finding]:
+def check(catalog: Catalog, laws: Sequence[Law] | None = None) -> list[Finding]:
     """All findings of a catalogue, the accepted included, in the order of the parts.
 
     Unknown figures are not checked. Excluded parts are checked but do not count in comparisons with their family, and
@@ -398,7 +406,8 @@ def check(catalog: Catalog, laws: Sequence[Law] = LAWS) -> list[Finding]:
             if note.section == section and (note.accepted or note.exclude):
                 for part in note.parts:
                     notes.setdefault(part, []).append(note)
-        here = [f for law in laws if law.section == section for f in _broken(catalog, table, law)]
+        of_section = (law for law in (all_laws() if laws is None else laws) if law.section == section)
+        here = [f for law in of_section for f in _broken(catalog, table, law)]
         here += _twins(catalog, table)
         here += _discharges(catalog) if section == "batteries" else ()
         here += _pull_outs(catalog) if section == "steppers" else ()

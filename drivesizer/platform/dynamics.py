@@ -209,16 +209,30 @@ def own_rolling(d: Dynamics, loads: Array) -> Array:
     return np.asarray((C_rr * r)[across] * np.maximum(loads[: len(wheels)], 0.0) + friction[across])
 
 
-def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:
-    """Force and moment that wheels, rollers and casters need to roll on [N, N, N*m]; shape (3, ...)."""
+def rolling(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = LEVEL) -> tuple[Array, Array]:
+    """Load of each wheel and caster [N], and torque that each wheel itself takes to roll on [N*m]."""
+    loads = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:]), 0.0)
+    return loads, own_rolling(d, loads) * signs(d.kinematics.E, towards, d.kinematics.reach)
+
+
+def resistance(
+    d: Dynamics,
+    towards: Array,
+    theta: Any = 0.0,
+    ground: Ground = LEVEL,
+    known: tuple[Array, Array] | None = None,
+) -> Array:
+    """Force and moment that wheels, rollers and casters need to roll on [N, N, N*m]; shape (3, ...).
+
+    ``known``: what ``rolling`` gives, where it is at hand.
+    """
     wheels, casters, k = d.platform.wheels, d.platform.casters, d.kinematics
     C_rr, C_roller, friction = np.array([(w.rolling_resistance, w.roller_resistance, w.friction) for w in wheels]).T
     crawl = np.array([c.rolling_resistance for c in casters])
     if not (C_rr.any() or C_roller.any() or friction.any() or crawl.any()):
         return np.zeros_like(towards)
-    loads = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:]), 0.0)
+    loads, torque = known or rolling(d, towards, theta, ground)
     carried, across = loads[: len(wheels)], (slice(None),) + (None,) * (towards.ndim - 1)
-    torque = own_rolling(d, loads) * signs(k.E, towards, k.reach)
     total = map_columns(k.E.T, torque)
     if C_roller.any():
         total = total + map_columns(k.rollers.T, C_roller[across] * carried * signs(k.rollers, towards, k.reach))
@@ -231,15 +245,18 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
     return np.asarray(total)
 
 
-def required_force(d: Dynamics, m: Moving) -> Array:
-    """Force and moment that the driven wheels must make for a motion [N, N, N*m], in the robot's axes; (3, ...)."""
+def required_force(d: Dynamics, m: Moving, known: tuple[Array, Array] | None = None) -> Array:
+    """Force and moment that the driven wheels must make for a motion [N, N, N*m], in the robot's axes; (3, ...).
+
+    ``known``: what ``rolling`` gives, where it is at hand.
+    """
     check_allowed(d.kinematics, m.eta, "velocity of the platform")
     check_allowed(d.kinematics, m.eta_dot, "acceleration of the platform", "m/s^2")
     rate, turned = np.broadcast_arrays(m.eta_dot, m.eta[2] * m.eta)  # C is of 1 rad/s
     force = eq.operational_force(d.M, rate.reshape(3, -1), d.C, turned.reshape(3, -1)).reshape(rate.shape)
     weight = weight_along(d.platform, m.facing, m.ground)
     weight = weight.reshape(3, *[1] * (force.ndim - 1)) if weight.ndim == 1 else weight
-    return np.asarray(force - weight + resistance(d, m.towards, m.facing, m.ground))
+    return np.asarray(force - weight + resistance(d, m.towards, m.facing, m.ground, known))
 
 
 def wheel_torques(d: Dynamics, m: Moving, *, rotors: bool = True) -> Array:

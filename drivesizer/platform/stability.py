@@ -299,14 +299,14 @@ def floor_forces(d: Dynamics, m: Moving) -> Array:
 
     A positive torque pulls in the positive direction of the axis.
     """
-    k, wheels, force = d.kinematics, d.kinematics.wheels, dynamics.required_force(d, m)
+    rolling = dynamics.rolling(d, m.towards, m.facing, m.ground)
+    k, wheels, force = d.kinematics, d.kinematics.wheels, dynamics.required_force(d, m, rolling)
     driven, torque = list(k.driven), map_columns(d.distribution, force)
     rest = force - map_columns(k.E[driven].T, torque)  # what is held, and does no work
     own: Array = np.array([[w.inertia + w.rotor_inertia] for w in wheels])
     net = -map_columns(np.asarray(own * k.E), np.asarray(np.broadcast_to(m.eta_dot, rest.shape)))
     net[driven] += torque
-    carried = contact_loads(d.platform, m.facing, m.ground, samples=m.towards.shape[1:])
-    net -= dynamics.own_rolling(d, carried) * dynamics.signs(k.E, m.towards, k.reach)
+    net -= rolling[1]
     across = (slice(None),) + (None,) * (net.ndim - 1)
     cos = np.array([math.cos(w.roller_angle) for w in wheels])
     forces = np.stack([net / (np.array([w.radius for w in wheels]) * cos)[across], np.zeros_like(net)])

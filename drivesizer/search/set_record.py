@@ -153,7 +153,8 @@ def _why_none(evaluation: Evaluation, index: int, checks: tuple[Check, ...]) -> 
 def _sums(evaluation: Evaluation, index: int, parts: DriveParts) -> dict[str, Any]:
     """Fields of a drive's record: its parts, its mass and its objective."""
     mass, mass_of = _summed(evaluation, index, parts, "mass")
-    value, value_of = _objective(evaluation, index, parts)
+    by_mass = evaluation.spec.select.objective == "mass"
+    value, value_of = (mass, mass_of) if by_mass else _objective(evaluation, index, parts)
     of_parts = {field.name: getattr(parts, field.name) for field in fields(parts)}
     bands = {row.name for row in drive_rows(parts, 1, evaluation.catalog) if row.band}
     masses = {"mass": mass, "mass_of": mass_of, "mass_estimated": tuple(role for role in mass_of if role in bands)}

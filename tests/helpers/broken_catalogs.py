@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Pairs, Table, columns_of
-from drivesizer.catalog.laws import LAWS, Finding, Law, check
+from drivesizer.catalog.laws import Finding, Law, all_laws, check
 
 EMPTY = Pairs(*(np.zeros(0, np.int32) for _ in range(3)))
 
@@ -49,7 +49,7 @@ def held_to(catalog: Catalog, laws: Sequence[Law]) -> list[Finding]:
 
 
 def laws_of(section: str) -> list[Law]:
-    return [law for law in LAWS if law.section == section]
+    return [law for law in all_laws() if law.section == section]
 
 
 def about(findings: list[Finding], part: str) -> set[str]:
