@@ -75,7 +75,9 @@ class Page:
         if not request.post:
             return self._file(request.path)
         if request.path == "/save":
-            return reply(saved(self.path, request_of(SaveRequest, request.body)))  # of two tabs one is first
+            task = request_of(SaveRequest, request.body)
+            dropped = [name for name in self.engines.own if name in task["text"]]  # that lie nowhere
+            return reply(saved(self.path, task) | {"dropped": dropped})  # of two tabs one is first
         if request.path == CATALOGUE:
             return reply(file_answer(request_of(CatalogueRequest, request.body), self.engines))
         name = request.path.removeprefix("/do/")

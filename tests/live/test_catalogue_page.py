@@ -98,6 +98,9 @@ def test_both_engines_know_what_was_dropped_also_afresh(server: Serving) -> None
     assert server.post("/catalogue", sent).pieces[0]["kind"] == "kept"
     document = base64.b64decode(server.do("document", text)[0]["content"]).decode()
     assert '"OWN-1"' in document and '"mine":' in document
+    for saved, lie_nowhere in ((text, ["dropped/mine.yaml"]), (SPEC, [])):
+        (piece,) = server.post("/save", {"text": saved, "anyway": True}).pieces
+        assert (piece["kind"], piece["dropped"]) == ("saved", lie_nowhere)
     for engine in server.processes():
         os.kill(engine, signal.SIGKILL)
     for job in ("answer", "document"):

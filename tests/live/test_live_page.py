@@ -150,7 +150,7 @@ def test_fields_and_items_come_and_go_with_the_keyboard_at_their_place(page: Any
     expect(field(page, "transmission", 1, "kind")).to_be_focused()
     field(page, "transmission", 1, "kind").select_option("belt")
     answered(page)
-    assert {"ratio": 2, "efficiency": 0.95}.items() <= load_spec_of(page)["transmission"][1].items()
+    assert {"ratio": 2, "efficiency": "95 %"}.items() <= load_spec_of(page)["transmission"][1].items()
     page.get_by_role("button", name="add a section …").click()
     page.get_by_role("textbox", name="find").fill("cases")
     page.keyboard.press("Enter")
@@ -194,9 +194,9 @@ def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     page.keyboard.press("Enter")
     page.locator(".slider summary").click()
     lines, said = page.locator(".stretches li"), page.locator("#said")
-    expect(lines.filter(has_text="no drive meets all limits")).to_have_count(1, timeout=20_000)
+    expect(lines.filter(has_text="no drive meets all limits")).to_have_count(1, timeout=60_000)
     expect(lines.filter(has_text="beyond it fails:").first).to_contain_text(
-        re.compile(r"fails: .+ −\d"), timeout=20_000
+        re.compile(r"fails: .+ −\d"), timeout=60_000
     )
     first = page.locator("#headline .best").inner_text()
     slider.focus()

@@ -103,13 +103,9 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => redr
 
 /** Draws the figures of a place, as soon as what draws them is there. */
 export async function drawnIn(root, plots) {
-  const places = [...root.querySelectorAll(".drawing")];
-  if (!places.length) return;
-  try {
-    await plotly();
-  } catch {
-    for (const place of places) place.replaceChildren(element("p", { className: "wanting", textContent: "not drawn: the server does not answer" }));
-    return;
+  const places = [...root.querySelectorAll(".drawing")], there = !places.length || await plotly().then(() => true, () => false);
+  for (const place of places) {
+    if (!there) place.replaceChildren(element("p", { className: "wanting", textContent: "not drawn: the server does not answer" }));
+    else if (place.isConnected) await draw(place, plots[place.dataset.plot]);
   }
-  for (const place of places) if (place.isConnected) await draw(place, plots[place.dataset.plot]);
 }

@@ -5,7 +5,7 @@ import { button, choice, element, words } from "./dom.js";
 import * as filter from "./catalogue_filter.js";
 import { handed } from "./files.js";
 import { post, whole } from "./requests.js";
-import { state, watch } from "./state.js";
+import { state } from "./state.js";
 
 const dialog = document.getElementById("browser"), opener = document.getElementById("catalogues");
 const found = element("section", { className: "found", aria: { label: "parts" } });
@@ -19,7 +19,6 @@ export function prepare(does) {
   addEventListener("dragover", (event) => { if (event.dataTransfer?.types.includes("Files")) event.preventDefault(); });
   addEventListener("drop", dropped);
   dialog.addEventListener("paste", pasted);
-  watch(lackingBeside);
 }
 
 async function open() {
@@ -53,26 +52,22 @@ async function renew(name = null) {
 let requested = 0;
 let reading = false; // a part, or parts side by side, in place of the list
 
-/** Lists the parts that meet the conditions; the newest request counts. */
+/** Lists the parts that meet the conditions. */
 async function look(start = 0) {
+  const wanted = filter.wanted();
   reading = false;
-  const mine = ++requested, wanted = filter.wanted();
   found.setAttribute("aria-busy", "true");
-  try {
-    const [piece] = await whole("parts", { text: state.text, ...wanted, sort: sorts[wanted.section] ?? "", start });
-    if (mine !== requested || piece.kind === "superseded") return;
+  await turned("parts", { ...wanted, sort: sorts[wanted.section] ?? "", start }, (piece) => {
+    if (piece.kind === "superseded") return;
     filter.faults(piece.faults ?? []);
     if (piece.kind === "parts") list(piece);
-  } catch (error) {
-    if (mine === requested) wrong(error);
-  }
+  });
   found.removeAttribute("aria-busy");
 }
 
-/** Another view in place of the list. */
+/** Shows what a job finds; the newest request counts. */
 async function turned(job, body, show) {
   const mine = ++requested;
-  reading = true;
   try {
     const [piece] = await whole(job, { text: state.text, ...body });
     if (mine === requested) show(piece);
@@ -81,14 +76,10 @@ async function turned(job, body, show) {
   }
 }
 
-/** The fit of a log in place of the list. */
-function fitted(head, body) {
+/** Something in place of the list; what was requested before does not come any more. */
+function inPlace(head, ...body) {
   reading = true;
   requested += 1;
-  inPlace(head, body);
-}
-
-function inPlace(head, ...body) {
   found.replaceChildren(element("p", {}, button("Back to the list", back)), head, ...body);
   tabled(found);
   head.focus();
@@ -230,7 +221,6 @@ const LARGEST = 16_000_000, FOLDER = "dropped/";
 const input = element("input", { type: "file", accept: ".yaml,.yml,.csv,.tsv,.txt,.xlsx,.pdf,.json,.cfg,.xml,.mjcf,.log,.wpilog", hidden: true, aria: { label: "catalogue, table, data sheet or log" } });
 const checked = element("div", { className: "checked", role: "status" }), kept = element("div", { className: "own" });
 const names = new Map(); // that the server has, with the catalogue that it made of a table
-let saved = null;
 
 function ownPlace() {
   const zone = element("div", { className: "drop" }, element("p", {}, "Drop a catalogue, a table of parts, a data sheet or the log of a drive here, paste rows of a table with their head, or ", button("choose a file", () => input.click())), input);
@@ -283,7 +273,7 @@ function report(file, found) {
   if (found.kind === "superseded") return;
   if (found.kind === "fit") {
     const fit = element("div", { className: "fit", innerHTML: found.html }); // of the server's own templates, which escape every text
-    fitted(element("h3", { tabIndex: -1, textContent: `${found.name}: the drive by its log` }), fit);
+    inPlace(element("h3", { tabIndex: -1, textContent: `${found.name}: the drive by its log` }), fit);
     say("");
     drawnIn(fit, found.figures);
   } else if (found.kind === "kept") {
@@ -340,14 +330,4 @@ async function leave(name) {
   } catch {
     say("The server does not answer.");
   }
-}
-
-/** A spec that has just been saved may name what lies nowhere. */
-async function lackingBeside() {
-  const before = saved;
-  saved = state.saved;
-  if (!before || before === saved || !saved.includes(FOLDER)) return;
-  ownKnown((await whole("catalogues", { text: saved }))[0].catalogues);
-  const lacking = [...names.keys()].filter((name) => saved.includes(name)).map((name) => name.slice(FOLDER.length));
-  if (lacking.length) notice(`${state.name} names what is in memory alone: put ${lacking.join(" and ")} into a folder ${FOLDER.slice(0, -1)} beside it, or it cannot be sized elsewhere.`, [], "", "own");
 }

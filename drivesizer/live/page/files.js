@@ -73,7 +73,9 @@ async function save(anyway = false) {
     if (found.kind === "saved") {
       Object.assign(state, { saved: text, mark: found.mark });
       changed();
-      for (const name of ["changed", "saving", "lacking"]) withdraw(name);
+      for (const name of ["changed", "saving", "lacking", "own"]) withdraw(name);
+      const own = found.dropped.map((name) => name.split("/").at(-1)).join(" and ");
+      if (own) notice(`${state.name} names what is in memory alone: put ${own} into a folder dropped beside it, or it cannot be sized elsewhere.`, [], "", "own");
       return;
     }
   } catch {
@@ -145,11 +147,9 @@ const by = (id) => document.getElementById(id);
 /** Makes the buttons of the page's head work. */
 export function prepare(given) {
   page = given;
-  by("download").addEventListener("click", () => openMenu(by("download"), "download", downloads()));
-  by("save").addEventListener("click", () => save());
-  by("open").addEventListener("click", () => by("opened").click());
+  const does = { download: () => openMenu(by("download"), "download", downloads()), save: () => save(), open: () => by("opened").click(), link };
+  for (const [id, done] of Object.entries(does)) by(id).addEventListener("click", done);
   by("opened").addEventListener("change", opened);
-  by("link").addEventListener("click", link);
   starters(by("new"));
   addEventListener("focus", look);
   addEventListener("keydown", keyed);

@@ -7,8 +7,7 @@ import { state } from "./state.js";
 
 const headline = document.getElementById("headline");
 const voice = document.getElementById("said");
-const QUIET = 900; // ms without another answer, after which it is said aloud
-const SLOW = 500; // ms without an answer, after which the one before is greyed
+const QUIET = 900, SLOW = 500; // ms without another answer, after which it is said aloud, or the one before is greyed
 let speaking = 0, greying = 0;
 let edit = { of: null, before: {}, now: {} }; // figures before the last edit, and since
 

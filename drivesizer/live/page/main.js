@@ -17,24 +17,22 @@ const designed = document.getElementById("designed"); // the best machine of fre
 const page = document.documentElement.dataset; // its state, and how often it has ranked and answered
 let running = null; // the request under way
 let pending = null; // edits that wait for it
-let waiting = []; // those who wait until all edits are in the text
 
 // -- changes
 
 /** Makes edits of fields; places of one slider follow one another, other edits are all made. */
 function edit(edits, what = "") {
-  if (!edits.length) return show();
   const before = pending && (what && what === pending.what ? [] : pending.edits);
-  pending = { edits: [...(before ?? []), ...edits], what };
-  return next();
+  if (edits.length) pending = { edits: [...(before ?? []), ...edits], what };
+  if (edits.length) next();
+  else show();
 }
 
 /** Sends what waits, as soon as the ranking that is under way has come; one that is slow is stopped. */
 function next() {
-  if (!running || running.ranked) return send();
-  clearTimeout(running.stop);
-  running.stop = setTimeout(send, Math.max(0, LONGEST_WAIT - (performance.now() - running.since)));
-  return undefined;
+  clearTimeout(running?.stop);
+  if (!running || running.ranked) send();
+  else running.stop = setTimeout(send, LONGEST_WAIT - (performance.now() - running.since));
 }
 
 /** Reads another text in place of the spec, whatever waits. */
@@ -82,7 +80,6 @@ function ended(mine) {
   mine.ranked = true;
   mine.read = true;
   if (pending && !files.gone()) send();
-  else wake();
 }
 
 function take(piece, mine) {
@@ -126,7 +123,6 @@ function read(text, mine) {
   put(text, mine.what);
   mine.read = true;
   show();
-  wake();
 }
 
 /** Pieces of a report, of an answer or of a closed loop. */
@@ -164,16 +160,12 @@ area.addEventListener("blur", () => { if (typing) typed(); });
 async function settled() {
   if (typing) typed();
   if (document.activeElement?.closest("#form")) document.activeElement.dispatchEvent(new Event("change"));
-  while (!files.gone() && (pending || (running && !running.read))) await new Promise((done) => { waiting.push(done); });
+  while (!files.gone() && (pending || (running && !running.read))) await new Promise((done) => { setTimeout(done, 20); });
 }
 
 /** What is typed in the form and not in the text, as the server does not answer: a comment each. */
 function unmade() {
   return (pending?.edits ?? []).map(([path, value]) => `# typed since: ${path.join(".")}: ${JSON.stringify(value)}\n`);
-}
-
-function wake() {
-  for (const done of waiting.splice(0)) done();
 }
 
 // -- what the user waits for: the closed loop, and the best machine of free figures

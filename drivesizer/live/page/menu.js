@@ -13,9 +13,7 @@ export function open(by, label, choices) {
   panel.setAttribute("aria-label", label);
   seek.value = "";
   list.replaceChildren(...choices.map(entry));
-  panel.showPopover();
-  panel.style.minWidth = `${Math.max(by.offsetWidth, 200)}px`;
-  place(by.getBoundingClientRect());
+  panel.showPopover({ source: by }); // below or above it, as the stylesheet says
   seek.focus();
 }
 
@@ -25,17 +23,6 @@ function entry(choice) {
   made.append(element("span", { textContent: choice.name }));
   if (choice.help) made.append(element("small", { textContent: choice.help }));
   return made;
-}
-
-/** Below the button or above it, wherever there is more room, and never beyond the edge. */
-function place(around) {
-  const { clientWidth: width, clientHeight: height } = document.documentElement;
-  const below = height - around.bottom, above = around.top;
-  const room = Math.max(below, above) - 16;
-  panel.style.maxHeight = `${Math.min(room, 480)}px`;
-  const top = below >= Math.min(panel.offsetHeight, 480) + 8 || below >= above ? around.bottom + 4 : around.top - panel.offsetHeight - 4;
-  panel.style.top = `${Math.max(8, top)}px`;
-  panel.style.left = `${Math.max(8, Math.min(around.left, width - panel.offsetWidth - 8))}px`;
 }
 
 seek.addEventListener("input", () => {
