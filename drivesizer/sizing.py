@@ -98,7 +98,7 @@ def size(
         spec, catalog, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
         misses=0 if brief else _MISSES, others=0 if brief else _ALTERNATIVES, brief=brief,
     )  # fmt: skip
-    problem, search, evaluation = picked.problem, picked.found, picked.found.evaluation
+    problem, search, evaluation = picked.problem, picked.search, picked.search.evaluation
 
     def records(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
         return tuple(picked.record(row, rank, in_brief=headline and rank > 1) for rank, row in enumerate(rows, first))

@@ -49,7 +49,7 @@ def _forms(e: Equation) -> list[str]:
 
 def _terms(e: Equation) -> str:
     """Result and terms; the unit is the one that the program uses."""
-    shown = label(e.shown)
+    shown = label(e.display_unit)
     si = label(e.result.unit)
     unit = f"{si}, shown in {shown}" if shown and shown != si else si
     rows = [(inline(symbol(e.symbol)), e.result.meaning, unit)]

@@ -56,7 +56,7 @@ class _Figure(NamedTuple):
 
     value: str
     column: str = ""  # that it gives
-    given: str = ""  # and how; what no drive is sized by is left out
+    condition: str = ""  # and how; what no drive is sized by is left out
 
 
 _FIGURES = {name: _Figure(*rest) for head, (name, *rest) in ROWS if head == "figures"}
@@ -74,7 +74,7 @@ def given_column(table: Table[Any], figure: str, values: NDArray[np.float64]) ->
     definition = _FIGURES.get(f"{table.section} {figure}")
     if definition is None or not definition.column:
         return figure, values
-    return definition.column, np.asarray(value(definition.given, table, figure=values))
+    return definition.column, np.asarray(value(definition.condition, table, figure=values))
 
 
 def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:

@@ -230,19 +230,19 @@ class OneRow:
     """
 
     def __init__(self, part: Any) -> None:
-        self.part, self.taken = part, dict[Any, Any]()
+        self.part, self.cells = part, dict[Any, Any]()
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self.taken:
-            self.taken[name] = np.array([np.nan if self.part is None else getattr(self.part, name)])
-            self.taken[name].flags.writeable = False  # others take it as well
-        return self.taken[name]
+        if name not in self.cells:
+            self.cells[name] = np.array([np.nan if self.part is None else getattr(self.part, name)])
+            self.cells[name].flags.writeable = False  # others take it as well
+        return self.cells[name]
 
     def per_part(self, compute: Callable[[Any], Any]) -> Any:
         """Result of a function of the part's figures, once for each function."""
-        if compute not in self.taken:
-            self.taken[compute] = compute(self)
-        return self.taken[compute]
+        if compute not in self.cells:
+            self.cells[compute] = compute(self)
+        return self.cells[compute]
 
 
 @lru_cache(maxsize=256)

@@ -308,7 +308,7 @@ class Catalog:
         return getattr(self, section)
 
     @cached_property
-    def _kept(self) -> dict[Hashable, Any]:
+    def _results(self) -> dict[Hashable, Any]:
         return {}
 
     def once(self, key: Hashable, make: Callable[[], Any], of: tuple[Any, ...] = ()) -> Any:
@@ -318,11 +318,11 @@ class Catalog:
         very same ones.
         """
         key = (key, *map(id, of))  # what is kept holds the objects, so that no other one gets their places
-        if key not in self._kept:
-            if len(self._kept) == _MOST_RESULTS:  # of a study that varies the supply
-                self._kept.clear()
-            self._kept[key] = make(), of
-        return self._kept[key][0]
+        if key not in self._results:
+            if len(self._results) == _MOST_RESULTS:  # of a study that varies the supply
+                self._results.clear()
+            self._results[key] = make(), of
+        return self._results[key][0]
 
     def __repr__(self) -> str:
         """Its catalogues, and how many parts of each family they have."""

@@ -88,7 +88,7 @@ class Machines:
         self.task, self.on, self.store = task, on, store
         self.known: dict[Values, Machine] = {}
         self.sized = 0  # by a search for a drive, here or in an earlier run
-        self._kept = _by_number(store.every_row() if store else ())
+        self.rows_by_number = _by_number(store.every_row() if store else ())
 
     def at(self, points: Iterable[Values]) -> list[Machine]:
         """Machines of some values, of which those are sized that are not known yet."""
@@ -101,7 +101,7 @@ class Machines:
         beyond = dict(self._outside(new))
         rows = {  # of an earlier run of the same search
             variant.number: earlier for variant in new.values()
-            if (earlier := self._kept.get(variant.number)) and earlier[0][: len(variant.head)] == variant.head
+            if (earlier := self.rows_by_number.get(variant.number)) and earlier[0][: len(variant.head)] == variant.head
         }  # fmt: skip
         rest = [variant for values, variant in new.items() if values not in beyond and variant.number not in rows]
         chunk = max(1, len(rest) // (2 * self.on.ahead)) if self.on else 1

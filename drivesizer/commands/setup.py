@@ -202,7 +202,7 @@ def _with_best_drive(robot: Any) -> tuple[Any, Any]:
 
     with common.working("sizing the drive"):
         sizing = sized(robot, top=1, brief=True)
-    return sizing.spec, sizing.shown
+    return sizing.spec, sizing.reported
 
 
 def init(

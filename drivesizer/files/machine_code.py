@@ -48,7 +48,7 @@ class Kernel(NamedTuple):
         return Path(last.__code__.co_filename).with_name(f"{last.__name__}-{digest}.so")
 
     @property
-    def kept(self) -> bool:
+    def translated(self) -> bool:
         """Whether it has been translated as its sources are now."""
         return self.library.is_file()
 
@@ -69,7 +69,7 @@ def defined_in(modules: Sequence[ModuleType]) -> tuple[FunctionType, ...]:
 def machine_code(kernel: Kernel) -> Callable[..., int]:
     """The last function of a kernel as machine code, which runs without the interpreter's lock."""
     try:
-        if not kernel.kept:
+        if not kernel.translated:
             translate(kernel)
         return _callable(kernel)
     except (ImportError, OSError, subprocess.CalledProcessError):
@@ -157,6 +157,6 @@ def all_kernels() -> list[Kernel]:
 def translate_all() -> None:
     """Make every library that is not there yet."""
     for kernel in all_kernels():
-        if not kernel.kept:
+        if not kernel.translated:
             sys.stderr.write(f"translating {kernel.functions[-1].__name__} to machine code ...\n")
             translate(kernel)

@@ -390,7 +390,7 @@ def spreads(J: Array, r: Array) -> Array:
     pull = np.array([np.einsum("oti,ot->i", J[:, block], r[:, block]) for block in blocks])
     scale = np.sqrt(np.maximum(np.diag(normal.sum(axis=0)), 1e-300))
 
-    def moved(weight: Array) -> Array:
+    def correction(weight: Array) -> Array:
         A, g = np.einsum("b,bij->ij", weight, normal), weight @ pull
         return np.asarray(-np.linalg.lstsq(A / np.outer(scale, scale), g / scale, rcond=1e-12)[0] / scale)
 
@@ -398,9 +398,9 @@ def spreads(J: Array, r: Array) -> Array:
     random = np.random.default_rng(_SEED)
     many = len(blocks)
     draws = (random.integers(many, size=many) for _ in range(_DRAWN))
-    samples = np.array([moved(np.bincount(draw, minlength=many).astype(float)) for draw in draws])
+    samples = np.array([correction(np.bincount(draw, minlength=many).astype(float)) for draw in draws])
     order = np.arange(len(blocks)) % _PARTS
-    parts = np.array([moved((order == k).astype(float)) for k in range(_PARTS)])
+    parts = np.array([correction((order == k).astype(float)) for k in range(_PARTS)])
     low, high = np.percentile(samples, [2.5, 97.5], axis=0)
     by_parts = parts.std(axis=0, ddof=1) / np.sqrt(_PARTS) * _STUDENT
     return np.array([formal, (high - low) / 2.0 / BAND, by_parts])

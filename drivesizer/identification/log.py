@@ -117,7 +117,7 @@ class Log(NamedTuple):
         ends = (*self.starts[1:], len(next(iter(self.columns.values()))))
         return [slice(first, end) for first, end in zip(self.starts, ends, strict=True)]
 
-    def kept(self, rows: NDArray[np.bool_]) -> Log:
+    def rows(self, rows: NDArray[np.bool_]) -> Log:
         """The log with some of its rows."""
         return self._replace(
             columns={name: column[rows] for name, column in self.columns.items()},
@@ -163,7 +163,7 @@ def _checked(log: Log, path: Path) -> Log:
     remarks = list(log.remarks)
     if lost.any():
         remarks.append(f"{int(lost.sum())} of {count} rows with a cell that is no number are left out")
-        log = log.kept(~lost)
+        log = log.rows(~lost)
     if not log.steady:
         apart = np.diff(log.columns["time"])
         inner = np.ones(len(apart), bool)
@@ -173,7 +173,7 @@ def _checked(log: Log, path: Path) -> Log:
         if not (apart[inner] > 0.0).all():  # a row written twice
             rows = np.append(True, (apart > 0.0) | ~inner)
             remarks.append(f"{int((~rows).sum())} rows with the time of the row before are left out")
-            log = log.kept(rows)
+            log = log.rows(rows)
             apart = np.diff(log.columns["time"])
         gaps = np.flatnonzero((apart > _GAP * float(np.median(apart[apart > 0.0]))) | (apart <= 0.0)) + 1
         log = log._replace(starts=tuple(sorted({*log.starts, *gaps.tolist()})))
@@ -345,7 +345,7 @@ def _pendulum(data: Mapping[str, Any], path: Path) -> Log:
     remarks += ["stretches with the torque off are left out"] * (not on.all())
     inertia = (mass + arm / 3.0) * length**2
     heads = {name: name for name in columns}
-    return Log(path.name, columns, heads, starts, tuple(remarks), inertia, weight).kept(on)
+    return Log(path.name, columns, heads, starts, tuple(remarks), inertia, weight).rows(on)
 
 
 # -- Binary data logs.

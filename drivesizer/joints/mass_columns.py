@@ -329,7 +329,7 @@ class JointTorques:
     section: RobotSection
     robot: Robot
     joints: tuple[str, ...]  # those that move, in the order of the description
-    held: Mapping[str, float]  # rad or m, of joints that do not
+    fixed_joints: Mapping[str, float]  # rad or m, of joints that do not
     points: tuple[str, ...]  # of the columns behind the description's own: drives by joint, then the payload, ""
     holding: Mapping[str, tuple[str, float]]  # of a drive that its link's mass is said to hold: the link and that mass
     cases: tuple[JointsCase, ...]  # the trajectory first
@@ -355,7 +355,7 @@ class JointTorques:
         cycle = LoadCycle(
             f"joint {joint}", motion.duration, speed / radius, acceleration / radius,
             (torque.reshape(-1, 2) + resisting) / motors * radius, float(inertia.max()) / motors * radius**2,
-            radius=radius, held=float(np.abs(static.reshape(-1, 2) / motors).max()) * radius,
+            radius=radius, holding_torque=float(np.abs(static.reshape(-1, 2) / motors).max()) * radius,
         ).split()  # fmt: skip
         if coulomb:
             cycle = replace(cycle, torque=cycle.torque + coulomb / motors * radius * cycle.direction).split()

@@ -409,7 +409,7 @@ def stored(d: Drive, store: Store, s: Segment, rise: float) -> Store:
 def stored_half(d: Drive, store: Store, s: Segment, rise: float) -> Store:
     """The same after a stretch with a current of one sign."""
     work = work_of(at_stage(d, mean_line(d, s, rise), s.w_0, s.w_1, d.least_loss))
-    return filled(filled(store, s.t * work.first, d.kept), s.t * work.second, d.kept)
+    return filled(filled(store, s.t * work.first, d.bus_share), s.t * work.second, d.bus_share)
 
 
 def over_cycle(
@@ -432,7 +432,7 @@ def over_cycle(
     above, store = Above(0.0, 0.0, -1.0, 0.0), Store(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     drawn = returned = heat = motor = unlike = 0.0
     pending = Piece(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    written, stores = 0, level >= ENERGY and d.kept > 0.0
+    written, stores = 0, level >= ENERGY and d.bus_share > 0.0
     parts = max(cuts, 1)
     for k in range(count):
         s, steady = segment_of(d, c, k, cycle)
@@ -534,7 +534,7 @@ def count_pieces(d: Drive, c: Course, count: int) -> int:
 
 def one_drive(d: Drive, c: Course, count: int, cycle: int, level: int, cuts: int, rows: Array) -> Figures:
     """A drive over a cycle; one whose winding runs away is held at its permitted rise."""
-    held, unknown = WindingRise(d.held, d.held_mean, math.nan), (math.nan, math.nan)
+    held, unknown = WindingRise(d.rise, d.mean_rise, math.nan), (math.nan, math.nan)
     start = (d.winding_start, d.housing_start) if d.course > 0.0 else unknown
     if d.course > 0.0 and math.isnan(d.winding_start):
         start = periodic_start(d, c, count, cycle)

@@ -37,7 +37,7 @@ def drives_of(
     feed: Feed,
     *,
     leads: Alike = 0.0,
-    kept: Alike = 0.0,
+    bus_share: Alike = 0.0,
     limit: Alike = np.nan,
     error: float = _ERROR,
     band: tuple[float, float] = COMMUTATION_BAND,
@@ -59,7 +59,7 @@ def drives_of(
         Their power stages and the supply.
     leads
         Resistance that takes of the voltage before the winding [ohm].
-    kept
+    bus_share
         Share of what is returned that stays on the bus [1].
     limit
         Current of which the time above counts [A].
@@ -101,8 +101,8 @@ def drives_of(
         iron=heating.iron * belt**2,
         permitted=motor["max_winding_temperature"] - ambient,
         course=1.0,
-        held=np.nan,
-        held_mean=np.nan,
+        rise=np.nan,
+        mean_rise=np.nan,
         finest=12.0 * error * np.asarray(bodies.tau_w if several else cycle.base.quickest),
         leads=leads,
         loss=stage.loss,
@@ -112,7 +112,7 @@ def drives_of(
         V_0=feed.voltage,
         R_source=feed.resistance,
         drives=float(feed.drives),
-        kept=kept,
+        bus_share=bus_share,
         limit=limit,
         commutation=band[1] * X,
         least_commutation=band[0] * X,
@@ -127,7 +127,7 @@ def drives_of(
 
 def at_rise(drives: Drive, rise: Alike, mean: Alike) -> Drive:
     """Drives with windings at given rises."""
-    return drives._replace(course=np.zeros_like(drives.course), held=rise, held_mean=mean)
+    return drives._replace(course=np.zeros_like(drives.course), rise=rise, mean_rise=mean)
 
 
 def evaluate(drives: Drive, cycle: LoadCycle | Course, level: int, rows: Whole | None = None) -> Figures:

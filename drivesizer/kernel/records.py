@@ -32,8 +32,8 @@ class Drive(NamedTuple):
     iron: Alike  # W*s^2/rad^2
     permitted: Alike  # K, rise at which a winding that runs away is held
     course: Alike  # 1: the winding's course is computed; 0: it is held at a rise
-    held: Alike  # K, that rise
-    held_mean: Alike  # K, of it for the mean loss
+    rise: Alike  # K, that rise
+    mean_rise: Alike  # K, of it for the mean loss
     finest: Alike  # s: a segment in which anything changes is cut into sqrt(duration / finest) pieces
     # supply
     leads: Alike  # ohm, that take of the voltage before the winding
@@ -44,7 +44,7 @@ class Drive(NamedTuple):
     V_0: Alike  # V, of the source without load
     R_source: Alike  # ohm, with cables
     drives: Alike  # 1, alike at this source
-    kept: Alike  # 1, share of what is returned that stays on the bus
+    bus_share: Alike  # 1, share of what is returned that stays on the bus
     limit: Alike  # A, of which the time above counts
     commutation: Alike  # V*s/(A*rad), that commutation takes of a motor that drives, at most
     least_commutation: Alike  # V*s/(A*rad), at least

@@ -148,7 +148,7 @@ def ranking(sizing: MachineSizing, proofs: Mapping[str, Validation] | None = Non
         axes = [{"axis": axis.name, **_set(axis.best)} if axis.best else {"axis": axis.name} for axis in sizing.axes]
         return {"machine": True, "status": gravest([sizing.status, *statuses]), "axes": axes, "sets": [],
                 "loops": loops, **_of_all_axes(sizing)}  # fmt: skip
-    best = alone.shown
+    best = alone.reported
     return {
         "machine": False, "status": gravest([best.status if best else "fail", *statuses]), "loops": loops,
         "found": bool(alone.sets), "axes": [],
@@ -226,7 +226,7 @@ def _best(memory: EngineMemory, text: str) -> Piece:
         labels = [f"{axis.name}: {axis.best.label if axis.best else 'none'}" for axis in result.axes]
         parts = [[drive_set.motor.part, drive_set.gearhead.part] if drive_set else [] for drive_set in best]
         return {"status": result.status, "label": "; ".join(labels), "parts": parts}
-    drive = result.alone.shown
+    drive = result.alone.reported
     if not drive:
         return {"status": "fail", "label": "", "parts": []}
     return {"status": drive.status if result.alone.sets else "fail", "label": drive.label, "name": short_name(drive),

@@ -27,7 +27,7 @@ from drivesizer.files.yaml_source import YamlSource, texts_in
 
 Piece = dict[str, Any]
 _LOOK = 0.01  # s between looks at newer requests
-_SLOW, _AGAIN = 1.0, 0.3  # s after which progress is said, and said again
+_SLOW, _REPEAT = 1.0, 0.3  # s after which progress is said, and said again
 _MOST_SIZINGS = 4  # sizings: that of the page, and those of which someone wants a file or a comparison
 
 
@@ -52,7 +52,7 @@ class EngineMemory:
         if self.stopped():
             raise StoppedError
         if 0 < done < total and time.monotonic() > self.next:
-            self.next = time.monotonic() + _AGAIN
+            self.next = time.monotonic() + _REPEAT
             self.say({"kind": "progress", "done": done, "all": total})
 
     def rest(self, seconds: float) -> None:

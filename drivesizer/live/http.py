@@ -58,7 +58,7 @@ class Response(NamedTuple):
 
     content: bytes | Generator[bytes]
     kind: str = "application/json"
-    kept: str = "no-store"  # how long a browser may keep it
+    cache_control: str = "no-store"  # how long a browser may keep it
 
 
 class PageRequest(NamedTuple):
@@ -67,7 +67,7 @@ class PageRequest(NamedTuple):
     path: str  # behind the token, as it came
     post: bool
     body: bytes
-    wanted: Callable[[], bool]  # whether the browser still waits for the answer
+    awaited: Callable[[], bool]  # whether the browser still waits for the answer
 
 
 App = Callable[[PageRequest], Response]
@@ -192,7 +192,7 @@ class _Connection(BaseHTTPRequestHandler):
             self._refused(500, "a fault of drivesizer itself")
         else:
             if isinstance(response.content, bytes):
-                self._sent(200, response.content, response.kind, response.kept)
+                self._sent(200, response.content, response.kind, response.cache_control)
             else:
                 self._streamed(response.content)
 
@@ -221,7 +221,7 @@ class _Connection(BaseHTTPRequestHandler):
                 raise Refusal(503, "the server has too much to do; try again")
         path = path[len(start) - 1 :]
         if self.command in ("GET", "HEAD"):
-            return PageRequest(path, False, b"", self._wanted)
+            return PageRequest(path, False, b"", self._awaited)
         if self.command != "POST":
             raise Refusal(405, "expected GET or POST")
         if origin is None:  # every browser names it; without it a form of an old one might pass
@@ -238,9 +238,9 @@ class _Connection(BaseHTTPRequestHandler):
             raise Refusal(408, f"expected the whole request within {_PATIENCE:g} s") from None
         if len(body) < int(length):
             raise Refusal(400, "the request ended in the middle")
-        return PageRequest(path, True, body, self._wanted)
+        return PageRequest(path, True, body, self._awaited)
 
-    def _wanted(self) -> bool:
+    def _awaited(self) -> bool:
         """Whether the browser has not gone away."""
         if not select.select([self.connection], [], [], 0)[0]:
             return True

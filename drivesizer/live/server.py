@@ -87,7 +87,7 @@ class Page:
         kind = f"{name} {task['slider']}" if name in _NEWEST else ""
         try:  # pieces of a job, a line of JSON each, as they come
             return Response(self.engines.answer(
-                name, task, tab=task["tab"], kind=kind, slow=name not in _AT_ONCE, has_reader=request.wanted
+                name, task, tab=task["tab"], kind=kind, slow=name not in _AT_ONCE, has_reader=request.awaited
             ))  # fmt: skip
         except FullError:
             raise Refusal(503, "the server has too much to do; try again") from None
@@ -105,7 +105,8 @@ class Page:
             from drivesizer.commands.setup import KINDS, MACHINES, starter
             from drivesizer.output.export import FORMATS
 
-            there = {name: form.said for name, form in FORMATS.items() if name != "fmu" or find_spec("pythonfmu")}
+            formats = FORMATS.items()
+            there = {name: form.description for name, form in formats if name != "fmu" or find_spec("pythonfmu")}
             text = json.dumps({"kinds": {kind: starter(kind) for kind in (*KINDS, *MACHINES)}, "exports": there})
         elif path == "/spec":
             spec_file = content(self.path)

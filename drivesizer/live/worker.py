@@ -165,7 +165,7 @@ class Engines:
         def useful() -> bool:
             return not self.closed and self.newest.get(key, job[0]) == job[0] and has_reader()
 
-        if (engine := self._taken(tab, slow, useful)) is None:
+        if (engine := self._free_engine(tab, slow, useful)) is None:
             yield line(wrong(_STOPPED) if self.closed else _SUPERSEDED)
             return
         try:
@@ -178,7 +178,7 @@ class Engines:
                 self.free.append(engine)
                 self.changed.notify_all()
 
-    def _taken(self, tab: str, slow: bool, useful: Callable[[], bool]) -> Engine | None:
+    def _free_engine(self, tab: str, slow: bool, useful: Callable[[], bool]) -> Engine | None:
         """A process that is free, at best one that knows the tab; None where nobody waits for the answer any more."""
         with self.changed:
             self.waiting += 1

@@ -203,7 +203,7 @@ def _load_cycle(spec: RobotSpec, profile: Profile | None, sampled: bool) -> Load
             with located(spec):
                 path = path_from_spec(spec.file, load.file, ("load", "file"))
                 cycle = LAWS[load.kind](load, path)
-        holding_torque = cycle.held
+        holding_torque = cycle.holding_torque
         if sampled and cycle.duration.ndim == 1:
             cycle = cycle.side_by_side()
         cycle = with_rest(_sprung_recording(spec, cycle), spec.waits_until, static_torque(cycle))
@@ -214,7 +214,7 @@ def _load_cycle(spec: RobotSpec, profile: Profile | None, sampled: bool) -> Load
             still = heaviest_positions(load.lever, sprung(spec, motion), everywhere=bool(load_springs(spec)))
             holding_torque = np.abs(cycle_of_course(spec, still).torque).max(axis=(0, 1))
     if spec.wants_brake:
-        cycle = replace(cycle, held=holding_torque)
+        cycle = replace(cycle, holding_torque=holding_torque)
     return driven_shaft_cycle(spec, cycle)
 
 

@@ -61,7 +61,7 @@ def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
         cycles[0],
         **{name: np.concatenate([getattr(c, name) for c in in_turn]) for name in CYCLE_COLUMNS},  # type: ignore[arg-type]
         inertia=float(np.max([cycle.inertia for cycle in cycles])),
-        held=float(np.max([cycle.held for cycle in cycles])),
+        holding_torque=float(np.max([cycle.holding_torque for cycle in cycles])),
         own=tuple(worst.values()),
     )
 

@@ -156,5 +156,5 @@ def through_gear(cycle: LoadCycle, gear: FixedGear) -> LoadCycle:
     return replace(
         at_wheel, speed=at_wheel.speed * i, acceleration=acceleration, torque=torque, radius=cycle.radius / i,
         inertia=gear.pinion_inertia + (cycle.inertia + gear.wheel_inertia) / i**2,
-        held=cycle.held * np.where(np.greater(gear.back_efficiency, 0.0), 1.0, 0.0) / i,
+        holding_torque=cycle.holding_torque * np.where(np.greater(gear.back_efficiency, 0.0), 1.0, 0.0) / i,
     ).split()  # fmt: skip

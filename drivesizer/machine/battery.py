@@ -436,7 +436,7 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
             charge = charge * (getattr(section, name) / getattr(rated, name))
             section = section.model_copy(update={name: getattr(rated, name)})
     mission = spec.mission.duration if spec.mission else None
-    draws = [device.drawn(mission) for device in spec.equipment]
+    draws = [device.power_drawn(mission) for device in spec.equipment]
     mean, peak = (sum(powers) for powers in zip(*draws, strict=True)) if draws else (0.0, 0.0)
     return Feeding(pack_of(section, catalog), charge, mean, peak)
 
@@ -494,7 +494,9 @@ def _equipment(spec: RobotSpec) -> list[Consumption]:
     """Lines of other consumers in that table."""
     mission = spec.mission.duration if spec.mission else None
     try:
-        return [Consumption(c.name, c.number, *c.drawn(mission), c.share(mission), c.assumed) for c in spec.equipment]
+        return [
+            Consumption(c.name, c.number, *c.power_drawn(mission), c.share(mission), c.assumed) for c in spec.equipment
+        ]
     except ValueError as error:
         raise InputError(f"equipment: {error}") from None
 

@@ -87,7 +87,7 @@ def driven(
     ambient, feed = spec.environment.ambient, spec.feed_of(drive_set.controller, drive_set.brake)
     heating = heat_of(spec, cycle, demand, motor, gearhead)
     rise = np.where(np.isfinite(heating.winding), heating.winding, nan) - ambient
-    drive = drives_of(ambient, cycle, demand, heating, motor, feed, cold=spec.once)._replace(held=rise, held_mean=rise)
+    drive = drives_of(ambient, cycle, demand, heating, motor, feed, cold=spec.once)._replace(rise=rise, mean_rise=rise)
     return drive, cycle, demand, heating
 
 

@@ -59,7 +59,7 @@ class Choice(NamedTuple):
 class Combination(NamedTuple):
     """A drive for each axis that has one, by its name."""
 
-    chosen: dict[str, Choice]
+    choices: dict[str, Choice]
     cost: Cost
     certain: bool  # no other combination costs less, as long as more mass never makes a drive cheaper
     searches: int  # axes that were sized, with the same masses once
@@ -84,7 +84,7 @@ class _Search:
 
     def __init__(self, order: Sequence[str], carried: Mapping[str, Sequence[str]], sized: Sized, most: int) -> None:
         self.order, self.carried, self.sized, self.most = order, carried, sized, most
-        self.made: dict[tuple[str, Masses], Sequence[Choice]] = {}
+        self.offers: dict[tuple[str, Masses], Sequence[Choice]] = {}
         self.least: dict[str, Cost] = {}
         self.best: dict[str, Choice] = {}
         self.cost: Cost | None = None
@@ -93,9 +93,9 @@ class _Search:
     def choices(self, axis: str, masses: Mapping[str, float]) -> Sequence[Choice]:
         """Drives of an axis with drives of some masses on it, each sizing once."""
         on_it = tuple(masses[other] for other in self.carried[axis])
-        if (axis, on_it) not in self.made:
-            self.made[axis, on_it] = self.sized(axis, on_it)
-        choices = self.made[axis, on_it]
+        if (axis, on_it) not in self.offers:
+            self.offers[axis, on_it] = self.sized(axis, on_it)
+        choices = self.offers[axis, on_it]
         if choices and axis in self.least:
             self.falling |= choices[0].cost < self.least[axis]
         return choices
@@ -106,8 +106,8 @@ class _Search:
             self.best, self.cost = dict(by_axis), spent
             return
         axis, masses = self.order[depth], {name: choice.mass for name, choice in by_axis.items()}
-        sized_before = (axis, tuple(masses[other] for other in self.carried[axis])) in self.made
-        if len(self.made) >= self.most and not sized_before:
+        sized_before = (axis, tuple(masses[other] for other in self.carried[axis])) in self.offers
+        if len(self.offers) >= self.most and not sized_before:
             self.cut = True
             return
         rest = _total(self.least[name] for name in self.order[depth + 1 :])
@@ -128,7 +128,9 @@ class _Search:
             if choices:
                 by_axis[axis] = pick(choices)
             missing = missing or ("" if choices else axis)
-        return Combination(by_axis, _total(choice.cost for choice in by_axis.values()), False, len(self.made), missing)
+        return Combination(
+            by_axis, _total(choice.cost for choice in by_axis.values()), False, len(self.offers), missing
+        )
 
 
 def best_combination(
@@ -146,7 +148,7 @@ def best_combination(
         search.descend(0, {}, (0, 0.0))
     if search.cost is None:  # an axis has none, or the cheapest were too heavy to carry
         return search.one_by_one(lambda choices: min(choices, key=lambda choice: choice.mass))
-    return Combination(search.best, search.cost, not (search.cut or search.falling), len(search.made))
+    return Combination(search.best, search.cost, not (search.cut or search.falling), len(search.offers))
 
 
 def axis_by_axis(order: Sequence[str], carried: Mapping[str, Sequence[str]], sized: Sized) -> Combination:
@@ -236,7 +238,7 @@ class OfferedKinds:
 
     def __init__(self, axes: Mapping[str, Masses], loaded: Callable[[str, Masses], Loaded]) -> None:
         self.loaded, self.axes = loaded, axes
-        self.made: dict[tuple[str, Masses, frozenset[Kind]], dict[Kind, _Row]] = {}
+        self.rows: dict[tuple[str, Masses, frozenset[Kind]], dict[Kind, _Row]] = {}
         self.first: dict[str, frozenset[Kind]] = {}  # by axis
 
     def costs(self, statuses: Mapping[str, Status], slack: float) -> dict[str, dict[Kind, Cost]]:
@@ -267,18 +269,18 @@ class OfferedKinds:
         """Drives of a kind on an axis with drives of some masses on it; of the first few kinds where it is free."""
         kinds = self.first[axis] if kind is None else frozenset((kind,))
         key = axis, masses, kinds
-        if key not in self.made:
-            self.made[key] = _searched(_restricted(self.loaded(axis, masses), kinds), min(len(kinds), _FREE))
-        rows = self.made[key].values()
-        statuses = [row.shortlist.found.evaluation.status(row.row) for row in rows]
+        if key not in self.rows:
+            self.rows[key] = _searched(_restricted(self.loaded(axis, masses), kinds), min(len(kinds), _FREE))
+        rows = self.rows[key].values()
+        statuses = [row.shortlist.search.evaluation.status(row.row) for row in rows]
         pairs = zip(rows, statuses, strict=True)
         return [row.choice for row, own in pairs if ORDER.index(own) <= ORDER.index(status)][:_FREE]
 
     def record(self, axis: str, masses: Masses, name: str) -> tuple[Problem, DriveSet]:
         """A drive that ``choices`` gave, in full, and the problem it is of."""
-        known = (rows for (other, on_it, _), rows in self.made.items() if (other, on_it) == (axis, masses))
+        known = (rows for (other, on_it, _), rows in self.rows.items() if (other, on_it) == (axis, masses))
         row = next(row for rows in known for row in rows.values() if row.choice.name == name)
-        short, evaluation = row.shortlist, row.shortlist.found.evaluation
+        short, evaluation = row.shortlist, row.shortlist.search.evaluation
         checks = other_checks(short.problem, drive_parts(evaluation, row.row))
         reliability = short.reliability.get(row.row)
         return short.problem, short.record(row.row, 1, beside=checks, reliability=reliability)
@@ -292,10 +294,10 @@ def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
     short = shortlist(loaded.spec, loaded.catalog, top, misses=0, sampling=loaded.sampling, brief=True)
     rows: dict[Kind, _Row] = {}
     for row in short.best:
-        drive = drive_parts(short.found.evaluation, row)
+        drive = drive_parts(short.search.evaluation, row)
         if kind_of(drive) in rows:
             continue
-        evaluation = short.found.evaluation.on(np.array([row]))
+        evaluation = short.search.evaluation.on(np.array([row]))
         bought = part_rows(evaluation, needs_encoder=not evaluation.spec.steps)
         value, missing = _known(evaluation.catalog, evaluation.candidates, {**evaluation.figures, **bought}, objective)
         cost = int(missing[0]), objective_sum(objective, float(value[0]), short.problem.machine.load.motors)
@@ -322,13 +324,13 @@ def _restricted(loaded: Loaded, kinds: frozenset[Kind]) -> Loaded:
     gears = len(catalog.gearheads)
     numbers = np.array([motor * gears + gear for motor, gear in listed if min(motor, gear) >= 0], np.int64)
 
-    def kept(catalog: Catalog) -> Catalog:
+    def restricted(catalog: Catalog) -> Catalog:
         pairs = catalog.motor_gearhead
         keep = np.isin(pairs.left.astype(np.int64) * gears + pairs.right, numbers)
         left = Pairs(*(column[keep] for column in pairs))
-        return replace(catalog, motor_gearhead=left, ends=tuple(kept(end) for end in catalog.ends))
+        return replace(catalog, motor_gearhead=left, ends=tuple(restricted(end) for end in catalog.ends))
 
-    return loaded._replace(catalog=kept(catalog))
+    return loaded._replace(catalog=restricted(catalog))
 
 
 # Other drives for the axes where the best of each together break a limit of the machine.

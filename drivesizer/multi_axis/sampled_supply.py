@@ -83,11 +83,11 @@ class UncertainMachine(NamedTuple):
         """Shared sections and axes with the figures of a sample."""
         moves = _moves(self.of_shared, values, self.assumptions)
 
-        def moved(spec: RobotSpec) -> RobotSpec:  # a load case with a figure of its own keeps that
+        def varied(spec: RobotSpec) -> RobotSpec:  # a load case with a figure of its own keeps that
             own = {path: x for path, x in moves.items() if _figure(spec, path) == _figure(self.shared, path)}
             return applied(spec, own)
 
-        return self.shared.changed(moved), [axis.at(values, self.assumptions) for axis in self.axes]
+        return self.shared.changed(varied), [axis.at(values, self.assumptions) for axis in self.axes]
 
 
 def _moves(paths: Mapping[Path_, int], values: Values, assumptions: Sequence[Assumption]) -> dict[Path_, float]:
@@ -141,7 +141,7 @@ def _classes(problem: Problem, drive: DriveParts) -> Iterator[Class]:
     """The tolerance classes of the parts of a drive that have a distribution."""
     parts: dict[str, Any] = {"motors": drive.motor, "gearheads": drive.gearhead, "controllers": drive.controller}
     rows = (problem.catalog.table(name).rows.get(part.part, -1) if part else -1 for name, part in parts.items())
-    tolerances = holding_of_a_set(problem.catalog, problem.machine.tolerances.given, *rows)
+    tolerances = holding_of_a_set(problem.catalog, problem.machine.tolerances.classes, *rows)
     return (own for own in tolerances if own.factor)
 
 

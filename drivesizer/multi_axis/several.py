@@ -129,7 +129,7 @@ class AxisSizings:
         self.beyond = beyond  # kg, of drives that are heavier than the links that are said to hold them
         self.how, self.ranking = how, how.objective
         self.price = machine.budget.price if machine.budget else None
-        self.made: dict[tuple[str, Masses], SizingResult] = {}
+        self.sizings: dict[tuple[str, Masses], SizingResult] = {}
         self.with_first: dict[tuple[str, Masses, str], SizingResult] = {}  # by the label of the drive
         self.own: dict[tuple[str, Masses], float] = {}  # kg, of its drive on the link that a joint moves
         self.uncertain = set[str]()  # axes of which drives lighter than their own load has may have been left out
@@ -161,10 +161,10 @@ class AxisSizings:
 
     def result(self, axis: str, masses: Masses) -> SizingResult:
         """The sizing of an axis with carried drives of these masses [kg]."""
-        if (axis, masses) not in self.made:
+        if (axis, masses) not in self.sizings:
             own = self.moves_its_drive(axis)
-            self.made[axis, masses] = self._with_its_own(axis, masses) if own else self._in_full(axis, masses)
-        return self.made[axis, masses]
+            self.sizings[axis, masses] = self._with_its_own(axis, masses) if own else self._in_full(axis, masses)
+        return self.sizings[axis, masses]
 
     def _in_full(self, axis: str, masses: Masses) -> SizingResult:
         spec, objective, front = self.laden(axis, masses), self.objective(axis), self.how.pareto
@@ -217,7 +217,7 @@ class AxisSizings:
         spec = spec.with_select(spec.select.ranked_by(self.ranking))
         return Loaded(spec, self._parts(spec), self.how.sampling(spec))
 
-    def chosen(self, axis: str, masses: Masses, label: str) -> SizingResult:
+    def with_drive(self, axis: str, masses: Masses, label: str) -> SizingResult:
         """The sizing of an axis with the drive of a label as its first, made once."""
         if (axis, masses, label) not in self.with_first:
             self.with_first[axis, masses, label] = self._with_first(axis, masses, label)
@@ -401,7 +401,7 @@ def _machine_with_drives(sizings: AxisSizings, combination: Combination) -> Mach
         machine=machine,
         axes=axes,
         objective=", ".join(dict.fromkeys(title_of(sizings.objective(axis.name)) for axis in machine.axes)),
-        searches=len(sizings.made),
+        searches=len(sizings.sizings),
         certain=combination.certain and all(_bounded(sizings, axis.name, combination) for axis in machine.axes),
         notes=tuple(_notes(sizings, axes, combination)),
         checks=(*(power.checks if power else ()), *budget_checks(machine, axes, power)),
@@ -413,10 +413,10 @@ def _axis(sizings: AxisSizings, combination: Combination, name: str) -> AxisSizi
     """An axis with the drive that was chosen for the whole as its best, and those that ride on it."""
 
     def with_drive(axis: str) -> SizingResult | None:
-        masses = sizings.masses(axis, combination.chosen)
-        return sizings.chosen(axis, masses, combination.chosen[axis].name) if axis in combination.chosen else None
+        masses = sizings.masses(axis, combination.choices)
+        return sizings.with_drive(axis, masses, combination.choices[axis].name) if axis in combination.choices else None
 
-    masses, distances = sizings.masses(name, combination.chosen), sizings.machine.carried(name)
+    masses, distances = sizings.masses(name, combination.choices), sizings.machine.carried(name)
     own = sizings.result(name, masses)
     result = with_drive(name) or own
     riding = []
@@ -424,7 +424,7 @@ def _axis(sizings: AxisSizings, combination: Combination, name: str) -> AxisSizi
         drive = with_drive(other)
         lacking = riding_unknown(drive.problem, drive.sets[0]) if drive else ()
         riding.append(CarriedMass(other, mass, distances[other], lacking))
-    if name in combination.chosen and (name, masses) in sizings.own:
+    if name in combination.choices and (name, masses) in sizings.own:
         lacking = riding_unknown(result.problem, result.sets[0])
         riding.append(CarriedMass(name, sizings.own[name, masses], None, lacking))
     for_all = bool(result.sets and own.sets) and result.sets[0].label != own.sets[0].label
@@ -439,7 +439,7 @@ def _bounded(sizings: AxisSizings, axis: str, combination: Combination) -> bool:
     carried = sizings.carried[axis]
     if torques is not None and axis in torques.joints and not combination.missing:
         own = (axis,) if sizings.moves_its_drive(axis) else ()
-        masses = {other: combination.chosen[other].mass for other in (*carried, *own)}
+        masses = {other: combination.choices[other].mass for other in (*carried, *own)}
         return rises(torques, axis, masses) and axis not in sizings.uncertain
     return not carried or not (getattr(load, "counterweight", 0.0) > 0.0 or getattr(load, "springs", ()))
 
@@ -464,8 +464,8 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], combination: Combin
         elif any(mass > 0.0 for (name, _), mass in sizings.own.items() if name == axis.name):
             yield f"{axis.name} moves its own drive, and no drive carries itself"
     if sizings.torques:
-        drives = {axis.name: axis.best for axis in axes if axis.best and axis.name in combination.chosen}
-        masses = {name: (drive_set, combination.chosen[name].mass) for name, drive_set in drives.items()}
+        drives = {axis.name: axis.best for axis in axes if axis.best and axis.name in combination.choices}
+        masses = {name: (drive_set, combination.choices[name].mass) for name, drive_set in drives.items()}
         yield from joint_notes(sizings.torques, masses, sizings.beyond)
     currencies = {axis.name: axis.result.catalog.currency for axis in axes}
     if len(set(currencies.values())) > 1 and any(axis.result.spec.counts_price for axis in axes):
@@ -480,14 +480,14 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], combination: Combin
 
 def _within_limits(sizings: AxisSizings, combination: Combination, best: MachineSizing) -> MachineSizing:
     """The machine with the drives that keep its own limits at the least cost, of those that are tried."""
-    broken, choices = [check.title for check in best.checks if check.status == "fail"], combination.chosen
+    broken, choices = [check.title for check in best.checks if check.status == "fail"], combination.choices
     if not broken:
         return best
     offers = {axis: sizings.offers(axis, sizings.masses(axis, choices), choices[axis]) for axis in choices}
     count, before = 0, [axis.best.status for axis in best.axes if axis.best]
     for count, others in enumerate(combinations.cheapest_first(offers, _MOST_COMBINATIONS), 1):
         try:
-            result = _machine_with_drives(sizings, combination._replace(chosen=others))
+            result = _machine_with_drives(sizings, combination._replace(choices=others))
         except LookupError:  # a drive does not carry what rides on it then
             continue
         now = [axis.best.status if axis.best else "fail" for axis in result.axes]
@@ -526,7 +526,7 @@ def _with_few_kinds(sizings: AxisSizings, combination: Combination, best: Machin
         raise InputError(f"{where}: {text}")
     if any(axis.spec.method == "paper" for axis in machine.axes):
         raise InputError(f"{where}: the paper's method has no common drives; expected method: physics")
-    masses = {axis: sizings.masses(axis, combination.chosen) for axis in machine.order}
+    masses = {axis: sizings.masses(axis, combination.choices) for axis in machine.order}
     bests = {axis.name: axis.best for axis in best.axes if axis.best}
     offers = sizings.kinds = combinations.OfferedKinds(masses, sizings.loaded)
     statuses = {axis: drive.status for axis, drive in bests.items()}
@@ -555,4 +555,4 @@ def _with_few_kinds(sizings: AxisSizings, combination: Combination, best: Machin
     )
     if combinations.ORDER.index(result.status) > combinations.ORDER.index(best.status):
         return replace(best, notes=(*best.notes, f"not {note}: {result.status}, where the best drives {best.status}"))
-    return replace(result, certain=False, searches=len(sizings.made), notes=(*result.notes, note))
+    return replace(result, certain=False, searches=len(sizings.sizings), notes=(*result.notes, note))

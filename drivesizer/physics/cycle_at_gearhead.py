@@ -35,7 +35,9 @@ class Scalars(NamedTuple):
 
     rms_torque: Alike  # N*m, while running; of a cycle that never runs over all of it
     peak_torque: Alike  # N*m
-    held: Alike  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
+    holding_torque: (
+        Alike  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
+    )
     load_torque: Alike  # N*m, largest at the load
     mean_speed: Alike  # rad/s, while running; where more, what it exceeds for long
     sustained_speed: Alike  # rad/s, what it exceeds for longer than shortly
@@ -156,7 +158,7 @@ class CycleAtBelt:
         figures = Scalars(
             rms_torque=cycles.rms(time, torque[rows]),
             peak_torque=np.abs(torque).max(axis=(0, 1)),
-            held=self.efficiency * np.where(np.isnan(cycle.held), at_rest, cycle.held),
+            holding_torque=self.efficiency * np.where(np.isnan(cycle.holding_torque), at_rest, cycle.holding_torque),
             load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
             **cycles.lasting_speeds(cycle.duration, speed),
             mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),

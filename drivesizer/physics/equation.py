@@ -75,7 +75,7 @@ class Equation(Declared):
     """A declared equation; call it like the function that it holds."""
 
     kind: str
-    shown: str  # unit of the trade in which the result is printed
+    display_unit: str  # unit of the trade in which the result is printed
 
     @property
     def __doc__(self) -> str | None:  # type: ignore[override]

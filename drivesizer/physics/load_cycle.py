@@ -49,7 +49,7 @@ class LoadCycle:
     inertia: Alike = nan  # kg*m^2, of all that moves with the shaft, seen at it
     own: tuple[OwnLimit, ...] = ()
     radius: Alike = 1.0  # m, travel of the load per angle of the shaft; 1 where it turns with the shaft
-    held: Alike = nan  # N*m, largest torque that holds it at rest on its path; NaN not looked at
+    holding_torque: Alike = nan  # N*m, largest torque that holds it at rest on its path; NaN not looked at
 
     def __post_init__(self) -> None:
         shape, alone = (len(self.duration), 2), self.duration.ndim == 1
@@ -112,7 +112,12 @@ class LoadCycle:
     @property
     def samples(self) -> int:
         """Number of cycles side by side; 1 of one, and where all are the same."""
-        single = (self.inertia, self.radius, self.held, *(x for limit in self.own for x in (limit.demand, limit.limit)))
+        single = (
+            self.inertia,
+            self.radius,
+            self.holding_torque,
+            *(x for limit in self.own for x in (limit.demand, limit.limit)),
+        )
         wide = [
             c.shape[-1] for c in (self.duration, self.speed, self.acceleration, self.torque) if self.duration.ndim > 1
         ]
@@ -128,7 +133,7 @@ class LoadCycle:
             limit._replace(demand=at_rows(limit.demand), limit=at_rows(limit.limit), time=at_rows(limit.time))
             for limit in self.own
         )
-        names = (*CYCLE_COLUMNS, "inertia", "radius", "held")
+        names = (*CYCLE_COLUMNS, "inertia", "radius", "holding_torque")
         return replace(self, own=own, **{name: at_rows(getattr(self, name)) for name in names})
 
     def side_by_side(self) -> LoadCycle:

@@ -121,7 +121,7 @@ def of_machine(spec: RobotSpec) -> dict[str, float]:
         steady, way = cycle.torque - J * cycle.acceleration, np.sign(cycle.speed)
         moving, inertia = max(moving, float((steady * way).max())), max(inertia, J)
         still = np.abs(steady[(cycle.speed == 0.0).all(axis=1)])
-        resting = max(resting, float(still.max(initial=0.0)), float(np.nan_to_num(cycle.held)))
+        resting = max(resting, float(still.max(initial=0.0)), float(np.nan_to_num(cycle.holding_torque)))
     return {
         "voltage": spec.supply.nominal, "resistance": nan if spec.supply.resistance is None else spec.supply.resistance,
         "ambient": spec.environment.ambient, "load": moving / (belt * e), "hold": resting / belt,

@@ -72,7 +72,7 @@ class Run(NamedTuple):
     speed: Array  # of the motor
     current: Array
 
-    def shown(self, of: Machine, ratio: Array, until: float) -> Run:
+    def course(self, of: Machine, ratio: Array, until: float) -> Run:
         """Some moments up to a time, with position and speed of the load."""
         last = int(np.searchsorted(self.time, min(until, self.time[-1])))
         rows = np.unique(np.linspace(0, last, _MOMENTS).astype(np.intp))
@@ -151,7 +151,7 @@ def started(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Movement:
         "start_time_63": np.where(top > 0.0, _first(run.time, fast >= (1.0 - np.exp(-1.0)) * top), np.inf),
         "start_speed": top / drive_set.drive.ratio,
     }
-    return figures, run.shown(of, drive_set.drive.ratio, float(np.quantile(arrives, _MOST_ARRIVE, method="higher")))
+    return figures, run.course(of, drive_set.drive.ratio, float(np.quantile(arrives, _MOST_ARRIVE, method="higher")))
 
 
 def swung(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Movement:
@@ -181,4 +181,4 @@ def swung(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Movement:
         "swing_period": period,
         "swing_reach": np.abs(run.angle[np.minimum(here, _STEPS), np.arange(len(K))] - of.steepest),
     }
-    return figures, run.shown(of, drive_set.drive.ratio, until)
+    return figures, run.course(of, drive_set.drive.ratio, until)

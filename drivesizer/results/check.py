@@ -65,7 +65,7 @@ class Check:
         """Whether its margin depends on the load: not where it is unknown, of a selected part or informational."""
         return not (isnan(self.margin) or (self.by_choice and self.status == "pass") or self.advice)
 
-    def shown(self, figure: float) -> str:
+    def with_unit(self, figure: float) -> str:
         """Demand or limit as it is printed."""
         return show(figure, self.unit, self.kind)
 

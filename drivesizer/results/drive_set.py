@@ -250,7 +250,7 @@ def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def checks_table(checks: Iterable[Check]) -> str:
     """Checks with demand, limit, margin and verdict as an HTML table."""
     rows = (
-        (check.title, check.shown(check.demand), check.shown(check.limit), share(check.margin), check.status)
+        (check.title, check.with_unit(check.demand), check.with_unit(check.limit), share(check.margin), check.status)
         for check in checks
     )
     return html_table(("check", "demand", "limit", "margin", ""), rows)

@@ -105,13 +105,13 @@ def _known(value: float) -> float | None:
 def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
     """A spec with the screw of a catalogue in place of its choice, in all load cases."""
 
-    def chosen(case: RobotSpec) -> RobotSpec:
+    def with_screw(case: RobotSpec) -> RobotSpec:
         load: Any = case.load
         if not leaves_open(case):
             return case
         return case.model_copy(update={"load": load.model_copy(update=screw_figures(load, screw))})
 
-    return spec.changed(chosen)
+    return spec.changed(with_screw)
 
 
 def for_drive(spec: RobotSpec, screw: ChosenScrew | None) -> RobotSpec:

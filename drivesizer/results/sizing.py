@@ -195,7 +195,7 @@ class SizingResult:
         return self.problem.catalog
 
     @property
-    def shown(self) -> DriveSet | None:
+    def reported(self) -> DriveSet | None:
         """The drive that is reported in full: the best, else the most probable, else the closest rejected; or None."""
         return next(iter((*self.sets, *self.unsure, *self.misses)), None)
 

@@ -52,7 +52,7 @@ def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
 
 def choices(problem: Problem, result: SearchResult, most: int, machine: InMachine | None = None) -> Choices | None:
     """Drives to choose from by weights, each with all its figures."""
-    best, drives, judge = result.best, result.every.drives, machine and machine.judge
+    best, drives, judge = result.best, result.in_order.drives, machine and machine.judge
     if not len(best):
         return None
     names = criteria(problem.spec.select.objective, problem.spec.method)
@@ -62,7 +62,7 @@ def choices(problem: Problem, result: SearchResult, most: int, machine: InMachin
     best_places = np.searchsorted(alike, best)  # the first of them is the best of all
     affordable = _CELLS // sum(len(case.at_belt.load_cycle.duration) for case in problem.cases)
     rows = picked(_cheap(problem, sets, figures, names), best_places, affordable).rows
-    evaluation, best_places = result.every.at(alike[rows]), np.searchsorted(rows, best_places)
+    evaluation, best_places = result.in_order.at(alike[rows]), np.searchsorted(rows, best_places)
     few = picked(_objectives(evaluation, names), best_places, _JUDGED if judge else most)
     evaluation, first = evaluation.on(few.rows), int(np.searchsorted(few.rows, best_places[0]))
     passing = judge(evaluation.candidates, evaluation.on, len(few.rows)).best if judge else np.arange(len(few.rows))

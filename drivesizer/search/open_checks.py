@@ -301,7 +301,7 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
     names = evaluation.sampled_checks(index)
     if not names or evaluation.spec.method != "physics":
         return checks, nan
-    drive = evaluation.chosen(np.array([index]))
+    drive = evaluation.with_parts(np.array([index]))
     (probable,), turning = passing(evaluation.problem, drive, [names]), turns(evaluation.problem, drive, names)
     own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
     with_turns = []

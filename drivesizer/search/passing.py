@@ -389,7 +389,7 @@ def _probabilities(problem: Problem, sets: Candidates) -> Array:
     if names:
         places = np.array(list(names))
         probabilities[places] = [
-            shares[""] for shares in passing(problem, few.chosen(places), list(names.values()), exact=False)
+            shares[""] for shares in passing(problem, few.with_parts(places), list(names.values()), exact=False)
         ]
     return probabilities
 

@@ -48,7 +48,7 @@ def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> 
 
 def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: of a part that the method leaves out, of limits of the best drive."""
-    result = picked.found
+    result = picked.search
     weighed = (picked.machine.budget(result.evaluation, row) for row in picked.short)
     budgets = shortfall(weighed, result.better, any_passes=bool(result.passing))
     return (
@@ -168,7 +168,7 @@ def _idle_gearhead(picked: Shortlist, best: DriveSet) -> Iterable[str]:
     if picked.problem.spec.method != "physics" or isnan(usual) or not isnan(best.gearhead.no_load_torque) or best.steps:
         return
     row = next(iter((*picked.best, *picked.unsure)))
-    drive, evaluation = picked.found.evaluation.chosen(np.array([row])), picked.found.evaluation
+    drive, evaluation = picked.search.evaluation.with_parts(np.array([row])), picked.search.evaluation
     idle = lognormal(low, usual, high, np.array([NormalDist().inv_cdf(share) for share in _SHARES]))
     names = {check.name for check in best.own_checks if check.status == "pass"}
     values = {("gearheads", "no_load_torque"): idle}
@@ -215,7 +215,7 @@ def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[st
     objective = picked.problem.spec.select.objective
     if not sets or not isinstance(objective, str):
         return []
-    better = [drive for row in picked.found.held_back if (drive := picked.record(row)).status in ("open", "unknown")]
+    better = [drive for row in picked.search.held_back if (drive := picked.record(row)).status in ("open", "unknown")]
     needs = [(drive, needed) for drive in better if (needed := _decided_by(drive))]
     if not needs:
         return []

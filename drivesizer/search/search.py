@@ -78,7 +78,7 @@ class SearchResult(NamedTuple):
         int, ...
     ]  # rows of the best that would be better than the first, did their checks not lack figures
     others: tuple[int, ...]  # rows of the best of other motor families than the first one's, where required
-    every: InOrder  # all that pass their own checks
+    in_order: InOrder  # all that pass their own checks
     best: Whole  # which of these the first rows are
 
 

@@ -142,7 +142,7 @@ class Shortlist:
     """Drives by their rows in the result of the search."""
 
     problem: Problem
-    found: SearchResult
+    search: SearchResult
     machine: InMachine  # with a drive in it, against its budgets
     best: list[int]  # that pass, in order
     top: int  # how many were requested
@@ -157,19 +157,19 @@ class Shortlist:
     @property
     def short(self) -> list[int]:
         """Drives that pass their own checks but fail on a budget of the machine."""
-        return self.machine.divided(self.found.evaluation, self.top, self.found.short, short=True)
+        return self.machine.divided(self.search.evaluation, self.top, self.search.short, short=True)
 
     @property
     def rejected(self) -> Iterable[int]:
         """Rows of the closest rejected, in order."""
-        evaluation = self.found.evaluation
-        rows = range(self.found.passing, len(evaluation.candidates.motor))
+        evaluation = self.search.evaluation
+        rows = range(self.search.passing, len(evaluation.candidates.motor))
         failed = evaluation.failed if rows else ()
         return (row for row in rows if failed[row])
 
     def record(self, row: int, rank: int = 0, *, in_brief: bool = False, **known: Any) -> DriveSet:
         """A drive with the machine's budgets, unless it fails by itself; what else is known is as for ``drive_set``."""
-        evaluation = self.found.evaluation
+        evaluation = self.search.evaluation
         if not evaluation.fails(row):
             known["budget"] = self.machine.budget(evaluation, row)
         if in_brief or self.checks_alone:
@@ -232,7 +232,7 @@ def shortlist(
 
         offered = by_weights.choices(problem, result, choices, machine)
     return Shortlist(
-        problem=problem, found=result, machine=machine, best=best, top=top, unsure=unsure, reliability=reliability,
+        problem=problem, search=result, machine=machine, best=best, top=top, unsure=unsure, reliability=reliability,
         uncertainty=uncertainty, weighed=weighed, others=alternatives, choices=offered, checks_alone=checks_alone,
     )  # fmt: skip
 

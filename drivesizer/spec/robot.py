@@ -468,7 +468,7 @@ def _reached(source: YamlSource, data: dict[str, Any], figure: Toleranced, end: 
         _read(source, changed(data, figure.path, figure.as_text(value)))
     except InputError as error:
         reason = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
-        text = f"{quoted(figure.text)} is {figure.shown(value)} at its {end}: {reason}"
+        text = f"{quoted(figure.text)} is {figure.with_unit(value)} at its {end}: {reason}"
         raise InputError(f"{source.where(figure.path)}: {text}") from None
 
 

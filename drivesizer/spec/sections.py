@@ -492,7 +492,7 @@ class Consumer(fields.Section):
             raise ValueError(f"expected the time of {self.name} not to be longer than the mission")
         return np.minimum(self.time / mission, 1.0)  # a column where it is sampled
 
-    def drawn(self, mission: float | None) -> tuple[float, float]:
+    def power_drawn(self, mission: float | None) -> tuple[float, float]:
         """Power out of the battery in the mean over a mission's time [s] and at most [W]."""
         factor = self.number / self.efficiency
         highest = self.power if self.peak_power is None else self.peak_power

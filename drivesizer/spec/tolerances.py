@@ -51,7 +51,7 @@ class Toleranced(NamedTuple):
     kind: str
     unit: str  # a listed one, in which it is shown
 
-    def shown(self, value: float) -> str:
+    def with_unit(self, value: float) -> str:
         """A value with its unit, for output."""
         return show(value, self.unit, self.kind)
 
@@ -284,7 +284,7 @@ class Tolerances(fields.Section):
     controller: ControllerTolerances = fields.all_defaults()
 
     @property
-    def given(self) -> dict[tuple[str, str], str]:
+    def classes(self) -> dict[tuple[str, str], str]:
         """Tolerances in place of the default classes, by part and figure."""
         parts = {"motor": self.motor, "gearhead": self.gearhead, "controller": self.controller}
         return {
@@ -296,7 +296,7 @@ class Tolerances(fields.Section):
 
     def foreign(self, *, steps: bool) -> str:
         """The first tolerance of a figure that motors of this kind have not, as in a message; empty without one."""
-        for part, figure in self.given:
+        for part, figure in self.classes:
             if (part, figure) in OF_STEPPERS and not steps:
                 return f"tolerances.{part}.{figure}: it is of steppers; expected select: {{motor: {{kind: stepper}}}}"
             if (part, figure) in NOT_OF_STEPPERS and steps:

@@ -76,7 +76,7 @@ class MapAxes(NamedTuple):
 
     across: Dimension
     up: Dimension | None
-    beside: tuple[Dimension, ...]  # a panel for each combination
+    panels: tuple[Dimension, ...]  # a panel for each combination
     grid: bool
 
 
@@ -119,18 +119,18 @@ def points(plan: Plan, over: MapAxes, rows: Iterable[Row]) -> Points:
     names = {
         over.across.head,
         *([over.up.head] if over.up else []),
-        *(dimension.head for dimension in over.beside),
+        *(dimension.head for dimension in over.panels),
         "status",
     }
     names |= {name for chart in MAPS for name in (chart.column, chart.lacks) if name in heads}
     places = {name: heads.index(name) for name in names}
     rank, number = heads.index("rank"), heads.index("variant")
-    by_panel: Points = {key: [] for key in product(*(dimension.values for dimension in over.beside))}
+    by_panel: Points = {key: [] for key in product(*(dimension.values for dimension in over.panels))}
     for row in rows:
         if row[rank] not in (None, 1):
             continue
         point = {name: row[place] for name, place in places.items()}
-        key = tuple(point[dimension.head] for dimension in over.beside)
+        key = tuple(point[dimension.head] for dimension in over.panels)
         if key in by_panel:
             by_panel[key].append(point | {"round": plan.round_of(row[number])})
     return by_panel
@@ -148,7 +148,7 @@ def drawings(over: MapAxes, by_panel: Points) -> tuple[dict[str, Drawing], list[
     panels, notes = dict[str, list[dict[str, Any]]](), []
     for key, rows in by_panel.items():  # fields without their sections, and their values
         title = []
-        for dimension, value in zip(over.beside, key, strict=True):
+        for dimension, value in zip(over.panels, key, strict=True):
             unit = dimension.head.removeprefix(dimension.name).strip(" ()")
             plain = (
                 dimension.name in ("spec", "catalogs") or "," in dimension.name

@@ -261,12 +261,12 @@ def best(
     spec = spec.with_select(ranked)
     result = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, memo=alike, pareto=pareto)
     first = result.best or [*islice(chain(result.unsure, result.short, result.rejected), 1)]
-    first = [*first, *(row for row in result.found.front if row not in first)] if result.best else first
+    first = [*first, *(row for row in result.search.front if row not in first)] if result.best else first
     drives = tuple(
         result.record(row, rank, reliability=result.reliability.get(row)) for rank, row in enumerate(first, 1)
     )
     sets, nearest = (drives, None) if result.best else ((), next(iter(drives), None))
-    return Best(sets, nearest, result.found.counts, title_of(spec.select.objective), spec.load.motors, result.problem)
+    return Best(sets, nearest, result.search.counts, title_of(spec.select.objective), spec.load.motors, result.problem)
 
 
 def _further(job: Job, problem: Problem | None, drive: DriveSet) -> Row:

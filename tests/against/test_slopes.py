@@ -76,5 +76,5 @@ def test_requirements_are_those_of_the_method(downhill, catalog):
     rms = math.sqrt((2 * start**2 + 240 * level**2 + 2 * brake**2 + 60 * rest**2) / 304)
     assert of["rms_torque_per_motor"].value == pytest.approx(rms, rel=1e-5)
     assert of["nominal_speed"].value == pytest.approx(1.5 / 0.0762)
-    assert not any(r.equation for r in (*result.requirements, *result.shown.requirements))
-    assert {check.method for check in other_checks(problem(spec, catalog), result.shown)} == {"paper"}
+    assert not any(r.equation for r in (*result.requirements, *result.reported.requirements))
+    assert {check.method for check in other_checks(problem(spec, catalog), result.reported)} == {"paper"}

@@ -97,6 +97,6 @@ def test_a_saw_tooth_with_a_crawl_is_judged_by_the_saw_tooth(catalog):
     teeth = ["{time: 0.5 s, to: 60 rad/s}, {time: 0.5 s, to: 0 rad/s}"] * 10
     crawl = "{time: 1 ms, to: 2 rad/s}, {time: 0.5 s, to: 2 rad/s}, {time: 1 ms, to: 0 rad/s}"
     result = size(read_spec(YamlSource(SAW % ", ".join([*teeth, crawl]), "saw.yaml")), catalog=catalog, top=1)
-    check = next(c for c in result.shown.checks if c.name == "gearhead_continuous_speed")
+    check = next(c for c in result.reported.checks if c.name == "gearhead_continuous_speed")
     lasts = 60 * (1 - 0.1 * 10.502 / 10)
-    assert check.demand == pytest.approx(lasts * result.shown.gearhead.ratio, rel=1e-6)
+    assert check.demand == pytest.approx(lasts * result.reported.gearhead.ratio, rel=1e-6)

@@ -375,7 +375,7 @@ def test_the_papers_drive_at_its_wheel(example):
     found = wheel_drive(example.spec.platform.following, drive)
     assert found.inertia == pytest.approx(ratio**2 * 12.0e-7, rel=0.005)
     assert found.torque == pytest.approx(3.2 * 1.1 * 0.95)
-    assert drive.label == size(example.spec, top=1).shown.label  # what it selects
+    assert drive.label == size(example.spec, top=1).reported.label  # what it selects
     assert wheel_drive(example.spec.platform.following, None) == (0.0, math.inf)
 
 

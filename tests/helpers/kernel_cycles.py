@@ -20,7 +20,7 @@ def warmed(motors, ambient, dt, squares, losses):
     known = motors.known & ~np.isnan(squares.sum(axis=1) + losses.sum(axis=1))
     with np.errstate(divide="ignore", invalid="ignore"):
         drive = Drive(**dict.fromkeys(Drive._fields, 0.0))._replace(
-            driving=1.0, braking=1.0, resting=1.0, friction=1.0, permitted=np.nan, held=np.nan, held_mean=np.nan,
+            driving=1.0, braking=1.0, resting=1.0, friction=1.0, permitted=np.nan, rise=np.nan, mean_rise=np.nan,
             winding_start=np.nan, housing_start=np.nan,
             R=thermal.resistance_at(motors.R_25, ambient), R_rise=motors.R_25 * thermal.COPPER,
             R_th1=motors.R_th1, R_th2=motors.R_th2, C_w=motors.capacity_w, C_h=motors.capacity_h,

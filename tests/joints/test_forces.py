@@ -122,7 +122,9 @@ def test_two_motors_share_a_joint_and_a_spring_of_the_section_counts_from_the_st
     both, alone = two.load("knee", {}), one.load("knee", {})
     assert both.motors == 2
     assert 2 * both.cycle.torque == pytest.approx(alone.cycle.torque)
-    assert (2 * both.cycle.inertia, 2 * both.cycle.held) == pytest.approx((alone.cycle.inertia, alone.cycle.held))
+    assert (2 * both.cycle.inertia, 2 * both.cycle.holding_torque) == pytest.approx(
+        (alone.cycle.inertia, alone.cycle.holding_torque)
+    )
 
 
 @pytest.mark.parametrize(

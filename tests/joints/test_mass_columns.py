@@ -53,7 +53,7 @@ def test_weight_of_links_drives_and_payload_by_hand(tmp_path: Path) -> None:
     shoulder = (2 * 0.3 + 1 * 0.8 + 3.0 * 0.6 + 1.5 * 1.0) * G  # the elbow's drive on the upper arm, at its end
     assert loads["shoulder"].cycle.torque[0] == pytest.approx(shoulder, rel=1e-12)
     assert loads["elbow"].cycle.torque[0] == pytest.approx((1 * 0.2 + 1.5 * 0.4) * G, rel=1e-12)
-    assert loads["shoulder"].cycle.held == pytest.approx(shoulder, rel=1e-12)  # level is its worst pose
+    assert loads["shoulder"].cycle.holding_torque == pytest.approx(shoulder, rel=1e-12)  # level is its worst pose
     inertia = 0.02 + 2 * 0.09 + 0.01 + 1 * 0.64 + 3.0 * 0.36 + 1.5 * 1.0
     assert loads["shoulder"].shaft_inertia == pytest.approx(inertia, rel=1e-12)
     assert found.carried == {"shoulder": ("elbow",), "elbow": ()}

@@ -17,8 +17,8 @@ from drivesizer.kernel.records import Drive, Figures
 DRIVE = Drive(
     driving=0.61, braking=0.43, resting=0.52, accelerating=0.013, direction=0.17, turning=0.021, emf=0.83,
     surplus=0.04, R=1.3, R_rise=0.0051, R_th1=2.7, R_th2=6.1, C_w=3.3, C_h=29.0, friction=0.21, iron=0.017,
-    permitted=120.0, course=1.0, held=math.nan, held_mean=math.nan, finest=0.004, leads=0.0, loss=0.7,
-    least_loss=0.35, R_stage=0.11, standby=1.7, V_0=24.0, R_source=0.31, drives=2.0, kept=0.6, limit=2.2,
+    permitted=120.0, course=1.0, rise=math.nan, mean_rise=math.nan, finest=0.004, leads=0.0, loss=0.7,
+    least_loss=0.35, R_stage=0.11, standby=1.7, V_0=24.0, R_source=0.31, drives=2.0, bus_share=0.6, limit=2.2,
     commutation=0.09, least_commutation=0.03,
 )  # fmt: skip
 
@@ -141,7 +141,7 @@ def test_heat_voltage_and_energy_are_those_of_an_integrator(simulated):
 def test_times_above_and_what_is_stored_are_those_of_fine_steps():
     """Of a winding that is held; the cycle comes twice."""
     for seed in range(1, 9):
-        c, d = cycle(seed), DRIVE._replace(course=0.0, held=31.0, held_mean=31.0)
+        c, d = cycle(seed), DRIVE._replace(course=0.0, rise=31.0, mean_rise=31.0)
         found = evaluate(d, c, ENERGY)
         store = lowest = risen = now = longest = 0.0
         for _ in range(2):
@@ -149,7 +149,7 @@ def test_times_above_and_what_is_stored_are_those_of_fine_steps():
                 x = (np.arange(4000) + 0.5) / 4000
                 for i, v in zip(line(I, x), line(w, x), strict=True):
                     power = powers(d._replace(loss=d.least_loss), i, v, 31.0)[1]
-                    store += (-power * d.kept if power < 0.0 else -power) * t / 4000
+                    store += (-power * d.bus_share if power < 0.0 else -power) * t / 4000
                     lowest = min(lowest, store)
                     risen = max(risen, store - lowest)
                     now = now + t / 4000 if abs(i) > d.limit else 0.0
@@ -178,7 +178,7 @@ def test_a_constant_current_settles_where_the_handbook_says():
 
 def test_a_winding_that_runs_away_is_held_at_its_permitted_rise():
     hot = DRIVE._replace(R_th2=600.0)
-    found, held = evaluate(hot, cycle(), ENERGY), DRIVE._replace(course=0.0, held=120.0, held_mean=120.0)
+    found, held = evaluate(hot, cycle(), ENERGY), DRIVE._replace(course=0.0, rise=120.0, mean_rise=120.0)
     other = evaluate(held, cycle(), ENERGY)
     assert np.isinf(found.winding) and np.isnan(other.winding)
     for name in ("voltage", "copper", "power", "drawn", "returned", "stored"):

@@ -16,7 +16,7 @@ from drivesizer.kernel.records import Drive
 
 FINE = 4000  # samples of a segment
 PLAIN = Drive(*[0.0] * len(Drive._fields))._replace(
-    driving=1.0, braking=1.0, resting=1.0, emf=1.0, held_mean=0.0, finest=math.inf, V_0=1.0, kept=1.0
+    driving=1.0, braking=1.0, resting=1.0, emf=1.0, mean_rise=0.0, finest=math.inf, V_0=1.0, bus_share=1.0
 )  # 1 A per N*m, 1 V s/rad, and no resistance: torque is current, speed is voltage
 
 

@@ -148,7 +148,7 @@ def test_a_sweep_finds_where_the_best_drive_changes() -> None:
     assert [point["value"] for point in points] == [*values, "9 V"]
     for point, value in zip(points[:4], values, strict=True):
         result = size(load_spec({**_data(), "load": {**_data()["load"], "mass": value}}), top=1, brief=True)
-        assert point["label"] == (result.shown.label if result.shown else "")
+        assert point["label"] == (result.reported.label if result.reported else "")
         assert (point["status"] == "fail") == (not result.sets)
     assert points[0]["label"] != points[2]["label"] and points[3]["status"] == "fail"
     assert points[4]["status"] == "wrong" and "9 V" in points[4]["said"]

@@ -66,7 +66,7 @@ HELD = {"hold_unpowered": True}
 def test_a_brake_holds_the_heaviest(kind):
     """Loaded out and empty back: the brake holds what a load of that mass would need, the heavier of both."""
     changing, loaded, empty = (
-        load_cycle(spec_of(kind, motion, load, needs=HELD)).held
+        load_cycle(spec_of(kind, motion, load, needs=HELD)).holding_torque
         for motion, load in (({"payload": "5 kg", "payload_back": "0 kg"}, ""), ({}, heavier(kind, 5.0)), ({}, ""))
     )
     assert changing == pytest.approx(max(loaded, empty), rel=1e-9)
@@ -79,10 +79,10 @@ def test_a_brake_holds_an_arm_where_it_has_its_payload():
               {"time": "0.5 s", "to": "60 deg/s", "payload": "3 kg"}, {"time": "0.5 s", "to": "0 deg/s"},
               {"time": "1.5 s", "to": "-60 deg/s", "payload": "0 kg"}, {"time": "1.5 s", "to": "0 deg/s"}]  # fmt: skip
     spec = spec_of("arm", {"profile": "segments", "segments": pieces}, "mass: 4 kg, length: 0.4 m", needs=HELD)
-    assert load_cycle(spec).held == pytest.approx(4 * 9.80665 * 0.4)
+    assert load_cycle(spec).holding_torque == pytest.approx(4 * 9.80665 * 0.4)
     low = spec_of("arm", {"profile": "segments", "segments": pieces},
                   "mass: 4 kg, length: 0.4 m, start_angle: -60 deg", needs=HELD)  # fmt: skip
-    assert load_cycle(low).held == pytest.approx(7 * 9.80665 * 0.4)  # taken up where it is level
+    assert load_cycle(low).holding_torque == pytest.approx(7 * 9.80665 * 0.4)  # taken up where it is level
 
 
 def test_traction_is_worst_where_the_wheel_is_light():

@@ -209,7 +209,7 @@ def test_rest_in_a_recording_remains_rest_when_it_is_smoothed(shaft, name, windo
     assert not cycle.speed[stands].any() and cycle.speed[~stands].any()
     at = CycleAtBelt(cycle, 0.8).behind(1.0)
     assert at.functions[stands][:, :, AT_REST] == pytest.approx(3.0)  # held, not driven through 80 %
-    assert at.held == pytest.approx(0.8 * 3.0)  # of which a brake before the belt feels so much
+    assert at.holding_torque == pytest.approx(0.8 * 3.0)  # of which a brake before the belt feels so much
 
 
 def test_noise_through_three_points(shaft):

@@ -70,10 +70,12 @@ def test_a_spring_of_no_free_length_balances_an_arm_everywhere():
     )
     c = cycle_of(f"{ARM}, start_angle: -40 deg", spring, points=[(0, 1.0), (2.0, 1.0)])
     assert np.abs(c.torque).max() < 1e-12 * M_G_L
-    held = load_cycle(spec_of(f"{ARM}, start_angle: -40 deg", spring, more="needs: {hold_unpowered: true}\n")).held
+    held = load_cycle(
+        spec_of(f"{ARM}, start_angle: -40 deg", spring, more="needs: {hold_unpowered: true}\n")
+    ).holding_torque
     assert held < 1e-12 * M_G_L < M_G_L < load_cycle(
         spec_of(f"{ARM}, start_angle: -40 deg", more="needs: {hold_unpowered: true}\n")
-    ).held * 1.0001  # fmt: skip
+    ).holding_torque * 1.0001  # fmt: skip
 
 
 def test_what_gas_springs_keep_is_their_friction():

@@ -81,7 +81,7 @@ def test_what_is_cut_off_is_never_called_certain_unless_it_is_the_best() -> None
         if least is None:
             continue
         found = best_combination(ORDER, CARRIED, axes.sized, most=4)
-        assert set(found.chosen) == set(ORDER) and found.cost[1] >= least * (1 - 1e-12)
+        assert set(found.choices) == set(ORDER) and found.cost[1] >= least * (1 - 1e-12)
         assert not found.certain or found.cost[1] == pytest.approx(least, rel=1e-12)
         short += found.cost[1] > least * (1 + 1e-12)
     assert short  # so few sizings do miss the best of some

@@ -76,14 +76,14 @@ def test_the_number_of_kinds_is_mostly_the_least_within_the_allowance_and_never_
         best = axes.least({})
         if best.missing:
             continue
-        kinds = {axis: (best.chosen[axis].name, "g") for axis in ORDER}
-        masses = {axis: tuple(best.chosen[other].mass for other in CARRIED[axis]) for axis in ORDER}
+        kinds = {axis: (best.choices[axis].name, "g") for axis in ORDER}
+        masses = {axis: tuple(best.choices[other].mass for other in CARRIED[axis]) for axis in ORDER}
         offered = {axis: {k: c.cost for k, c in axes.passing(axis, masses[axis]).items()} for axis in ORDER}
         limit = 0, best.cost[1] * (1.0 + allowance)
         found, common = fewer_kinds(best, kinds, offered, limit, axes.least)
-        number = len({one.name for one in found.chosen.values()})
+        number = len({one.name for one in found.choices.values()})
         assert within(found.cost, limit) and number <= len(set(kinds.values()))
-        assert all(found.chosen[axis].name == kind[0] for axis, kind in common.items())
+        assert all(found.choices[axis].name == kind[0] for axis, kind in common.items())
         least = min(many for total, many in axes.all() if total <= limit[1] * (1 + 1e-9))
         assert number >= least
         right, cases, saved = right + (number == least), cases + 1, saved + (number < len(set(kinds.values())))

@@ -396,7 +396,7 @@ def torques(of: MachineExport, robot: Any, points: bool) -> Array:
     one = of.robot
     at = [*(drive.place for drive in one.drives), one.payload] if points else []
     masses = [1.0, *(drive.mass for drive in one.drives), one.payload_mass] if points else [1.0]
-    found = torques_of(robot, one.held, at, list(one.motion.joints), states(5), one.base.T @ DOWN)
+    found = torques_of(robot, one.fixed_joints, at, list(one.motion.joints), states(5), one.base.T @ DOWN)
     return np.tensordot(masses, found.torque, 1)
 
 

@@ -104,7 +104,7 @@ def block(chapter: dict, name: str) -> dict:
 
 def test_the_first_page_has_a_row_for_each_axis_and_names_the_one_without_a_drive(machine, chapters):
     first = chapters["summary"]
-    assert not first["blocks"][0]["found"] and "No drive for z." in str(first["blocks"][0])
+    assert not first["blocks"][0]["has_drive"] and "No drive for z." in str(first["blocks"][0])
     rows = [row["cells"] for row in block(first, "axes")["rows"]]
     assert [row[0] for row in rows] == ["x", LONG, "z"]
     for row, axis in zip(rows, machine.axes[:2], strict=False):
@@ -154,8 +154,8 @@ def test_drives_that_fail_together_are_no_answer(whole):
     check = replace(whole.power.checks[0], status="fail")
     first, *_ = document(MachineContent(replace(whole, checks=(check,))))["sections"]
     verdict = first["blocks"][0]
-    assert not verdict["found"] and f"Together they fail on: {check.title}." in str(verdict["paragraphs"])
-    assert document(MachineContent(whole))["sections"][0]["blocks"][0]["found"]
+    assert not verdict["has_drive"] and f"Together they fail on: {check.title}." in str(verdict["paragraphs"])
+    assert document(MachineContent(whole))["sections"][0]["blocks"][0]["has_drive"]
 
 
 # -- power of all axes

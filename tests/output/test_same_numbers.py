@@ -57,7 +57,7 @@ class Run(NamedTuple):
 
     @property
     def best(self) -> Any:
-        return self.result.shown
+        return self.result.reported
 
     @property
     def candidates(self) -> list[Any]:

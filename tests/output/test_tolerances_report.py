@@ -97,7 +97,7 @@ def unsure(result: SizingResult) -> SizingResult:
 
 @pytest.mark.slow
 def test_every_report_says_that_no_set_is_as_sure_and_shows_the_surest(unsure: SizingResult, tmp_path: Path) -> None:
-    assert not unsure.sets and len(unsure.unsure) == 2 and unsure.shown is unsure.unsure[0]
+    assert not unsure.sets and len(unsure.unsure) == 2 and unsure.reported is unsure.unsure[0]
     with blank_figures():
         write(unsure, None, [tmp_path / f"report.{kind}" for kind in ("pdf", "html", "xlsx", "csv")])
     text = text_of((tmp_path / "report.pdf").read_bytes())

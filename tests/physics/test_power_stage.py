@@ -66,7 +66,8 @@ def fed(stage, course, **source):
     t, current, volts = (np.array(x) for x in zip(*course, strict=True))
     cycle = SimpleNamespace(duration=t, speed=volts, acceleration=0.0 * volts, torque=current)  # 1 V*s/rad, 1 A/(N*m)
     drive = records.Drive(**dict.fromkeys(records.Drive._fields, 0.0))._replace(
-        driving=1.0, braking=1.0, resting=1.0, emf=1.0, R_th1=1.0, R_th2=1.0, C_w=1.0, C_h=1.0, finest=np.inf, kept=1.0,
+        driving=1.0, braking=1.0, resting=1.0, emf=1.0, R_th1=1.0, R_th2=1.0, C_w=1.0, C_h=1.0, finest=np.inf,
+        bus_share=1.0,
         loss=stage.loss, least_loss=float(stage.least_loss), R_stage=stage.resistance, standby=stage.standby, V_0=24.0,
         **source,
     )  # fmt: skip

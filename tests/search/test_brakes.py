@@ -182,9 +182,9 @@ SWING = {
 def test_an_arm_is_held_where_it_is_heaviest(start, part):
     """It swings up by 1 rad: from 30 degrees below through level, or from 20 degrees above."""
     spec = load_spec({**SWING, "load": {**SWING["load"], "start_angle": start}})
-    assert load_cycle(spec).held == pytest.approx(2 * 9.80665 * 0.5 * part)
+    assert load_cycle(spec).holding_torque == pytest.approx(2 * 9.80665 * 0.5 * part)
     free = load_spec({**SWING, "load": {**SWING["load"], "start_angle": start}, "needs": {}})
-    assert math.isnan(load_cycle(free).held)  # nobody looks at it
+    assert math.isnan(load_cycle(free).holding_torque)  # nobody looks at it
 
 
 @pytest.mark.parametrize(("efficiency", "held"), [("35 %", 0.0), ("80 %", 10 * 9.80665 * 0.005 / (2 * math.pi))])
@@ -192,7 +192,7 @@ def test_a_screw_that_locks_itself_needs_no_brake(efficiency, held):
     load = {"kind": "lead_screw", "mass": "10 kg", "lead": "5 mm", "efficiency": efficiency, "incline": "90 deg",
             "inertia": "0 kg*m^2"}  # fmt: skip
     spec = load_spec({**SWING, "load": load, "motion": {**SWING["motion"], "speed": "20 mm/s"}})
-    assert load_cycle(spec).held == pytest.approx(held)
+    assert load_cycle(spec).holding_torque == pytest.approx(held)
 
 
 BAD = [

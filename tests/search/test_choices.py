@@ -85,8 +85,8 @@ def belt_axis(tmp_path_factory, catalog):
     spec = starter("belt_axis", tmp_path_factory.mktemp("belt"))
     problem, _ = problem_with_drive_mass(spec, load_parts(spec, catalog))
     every = search(problem, top=5, margins=True)
-    certainty = every.every.drives.certainty
-    whole = every.every.at(np.flatnonzero(certainty == certainty[every.best[0]]))
+    certainty = every.in_order.drives.certainty
+    whole = every.in_order.at(np.flatnonzero(certainty == certainty[every.best[0]]))
     parts = ranking.part_rows(whole, needs_encoder=True)
     figures = {**whole.figures, "margin": smallest_margin(whole.checks), **parts}
     columns = {}

@@ -42,10 +42,10 @@ AXES: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("name", AXES)
 def test_nothing_is_missing_in_the_parts_list(name: str):
     found = size(load_spec({"name": name, **AXES[name]}))
-    lines = {line.role: line for line in parts_list(found.shown, found.problem.catalog, found.spec.load.motors)}
+    lines = {line.role: line for line in parts_list(found.reported, found.problem.catalog, found.spec.load.motors)}
     assert all(line.part for role, line in lines.items() if role in ("motor", "encoder", "controller"))
-    inside = found.shown.controller is not None and found.shown.controller.inside
-    assert found.shown.controller is not None and ("controller" in lines or inside)
+    inside = found.reported.controller is not None and found.reported.controller.inside
+    assert found.reported.controller is not None and ("controller" in lines or inside)
 
 
 def servo(**select: Any) -> Any:

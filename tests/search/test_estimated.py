@@ -245,8 +245,8 @@ def test_several_drives_that_are_sampled_together_pass_as_probably_as_each_alone
     kept, _, _ = sifted(at)
     found = by_physics(at, kept.sets.on(np.flatnonzero(kept.certainty == OPEN)), "open")
     names = {place: found.open_checks(place) for place in range(len(found.encoder))}
-    together = passing(at, found.chosen(np.array(list(names))), list(names.values()), exact=False)
-    alone = [passing(at, found.chosen(np.array([place])), [some], exact=False)[0] for place, some in names.items()]
+    together = passing(at, found.with_parts(np.array(list(names))), list(names.values()), exact=False)
+    alone = [passing(at, found.with_parts(np.array([place])), [some], exact=False)[0] for place, some in names.items()]
     of_all = [{name: one[name] for name in own} for one, own in zip(together, alone, strict=True)]
     assert len(names) > 3 and of_all == alone
     assert len({one[""] for one in alone}) > 1

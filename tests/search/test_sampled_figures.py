@@ -58,7 +58,7 @@ def sampled():
     rows = [catalog.table(section).rows[part] for section, part in PARTS.items()]
 
     def of(spec, count, catalog=catalog):
-        given = assumptions(spec, classes_in_use(catalog, spec.tolerances.given, [tuple(rows)]))
+        given = assumptions(spec, classes_in_use(catalog, spec.tolerances.classes, [tuple(rows)]))
         drawn = sample(given, count, 1, assumptions(spec))
         return (prepared(problem(spec, catalog), given, drawn), catalog, SetRows(rows[0], rows[1], -1, rows[2], 1.0))
 
@@ -72,7 +72,7 @@ def test_single_samples_are_what_the_plain_evaluation_says(spec_of, sampled, tex
     (block,) = blocks(ready, catalog, [1.0])
     found = figure_columns(catalog, one, block)
     for row in (0, 13, 40, 63):
-        plainly, _ = evaluated(spec, catalog, one, ready.given, ready.values[row])
+        plainly, _ = evaluated(spec, catalog, one, ready.assumptions, ready.values[row])
         alone = {name: float(column[0]) for name, column in plainly.figures.items()}
         checks = {check.name: float(check.demand[0]) for check in plainly.checks}
         for name in ("peak_current", "power", "joule_heat"):
@@ -80,7 +80,7 @@ def test_single_samples_are_what_the_plain_evaluation_says(spec_of, sampled, tex
         assert found["winding_temperature"][row] == pytest.approx(alone["winding_temperature"], rel=1e-3)
         assert found["voltage"][row] == pytest.approx(checks["supply_voltage"], rel=1e-3)
         assert found["rms_current"][row] == pytest.approx(checks["motor_nominal_current"], rel=1e-5)
-        assert machine_of(spec, ready.given, ready.values[row]).supply.nominal == 24.0
+        assert machine_of(spec, ready.assumptions, ready.values[row]).supply.nominal == 24.0
 
 
 def test_at_full_voltage_as_predicted_of_the_same_set(spec_of, sampled):

@@ -201,7 +201,7 @@ def test_load_cycles_of_samples_are_those_that_are_computed_one_by_one(load: str
     for row in range(0, len(values), 5):
         mine, exact = cycle.on(slice(row, row + 1)), _cycle(spec, given, values[row])
         near = 1e-5 if "arm" in load or "fan" in load else 1e-12  # curves are cut as the finest sample needs it
-        for name in ("total", "inertia", "radius", "held"):
+        for name in ("total", "inertia", "radius", "holding_torque"):
             assert np.ravel(getattr(mine, name)) == pytest.approx(getattr(exact, name), rel=1e-12), name
         for figure in (
             lambda c: integral(c.duration, c.torque, c.speed), lambda c: integral(c.duration, c.torque, c.torque),

@@ -101,8 +101,8 @@ def add_effects(every: Effects, folder: Any, name: str) -> None:
     for path, text in figures(source).items():
         if not all(any(moved for _, moved in every.get(field, ())) for field in owners(path, source.data)):
             one = tolerance(f"{text} +- 1 %", path)
-            given.append(Assumption(".".join(map(str, path)), text, one.value, one.distribution, given=one))
-    spec._toleranced = tuple(one.given for one in given if one.given)
+            given.append(Assumption(".".join(map(str, path)), text, one.value, one.distribution, spec_class=one))
+    spec._toleranced = tuple(one.spec_class for one in given if one.spec_class)
     found = problem(spec, load_parts(spec))
     rows = SetRows(0, 0, 0, 0, spec.belt_ratios[0], 0 if spec.brake else -1)
     idle = {one.name for one in without_effect([Subject(rows, ())], found.catalog, at_ends(found, given))}

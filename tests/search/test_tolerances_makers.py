@@ -127,7 +127,7 @@ def test_the_specs_class_counts_before_any_makers(makers: Catalog) -> None:
 def test_a_maker_that_takes_its_figures_as_printed_has_no_class() -> None:
     exact = _maker("Acme", ACME.replace("+- 5 %", "none"))
     result, row = _sampled(_spec(), exact)
-    assert result.ready.given == () and _chance(result, row["Acme-1"]) == 1.0
+    assert result.ready.assumptions == () and _chance(result, row["Acme-1"]) == 1.0
 
 
 # --- gearheads, actuators, families ----------------------------------------------------------------------------------

@@ -76,7 +76,7 @@ def ready() -> Prepared:
 def _plainly(ready: Prepared, parts: Catalog, one: SetRows, values: Any) -> Any:
     """One sample: the machine with its figures, taken apart into wheels anew; the checks of set and battery."""
     machine = ready.problem.machine
-    moved = applied(machine, {g.given.path: v - g.nominal for g, v in zip(ready.given, values, strict=True)})
+    moved = applied(machine, {g.spec_class.path: v - g.nominal for g, v in zip(ready.assumptions, values, strict=True)})
     mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
     select = moved.select.model_copy(update={"controller": mine})
     given = problem(moved.model_copy(update={"select": select}), parts)
@@ -164,7 +164,7 @@ def _all_off(path: Path) -> RobotSpec:
 def test_every_figure_of_a_starter_may_be_off(path: Path) -> None:
     spec = _all_off(path)
     given = assumptions(spec)
-    assert len(spec.toleranced) >= 8 and sum(one.given is not None for one in given) == len(spec.toleranced)
+    assert len(spec.toleranced) >= 8 and sum(one.spec_class is not None for one in given) == len(spec.toleranced)
     result = size(spec, top=1, sampling=Sampling(32, 1, None))
     (one,) = result.sets
     assert one.reliability and 0.0 <= one.reliability.probability <= 1.0

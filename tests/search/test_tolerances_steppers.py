@@ -60,7 +60,7 @@ def rows_of(parts: Catalog, part: str, driver: str = "D4") -> SetRows:
 
 
 def given_of(spec: RobotSpec, parts: Catalog, one: SetRows) -> tuple[Assumption, ...]:
-    held = classes_in_use(parts, spec.tolerances.given, [(one.motor, one.gearhead, one.controller)])
+    held = classes_in_use(parts, spec.tolerances.classes, [(one.motor, one.gearhead, one.controller)])
     return assumptions(spec, held)
 
 

@@ -133,7 +133,7 @@ def test_the_spec_has_the_nominal_figure_and_keeps_what_was_written(example_text
     assert spec.load.mass == 44.0  # type: ignore[union-attr]
     assert spec.entered["load"]["mass"] == "44 kg +- 3 kg"
     (one,) = spec.toleranced
-    assert one.path == ("load", "mass") and one.shown(one.distribution.high) == "47 kg"
+    assert one.path == ("load", "mass") and one.with_unit(one.distribution.high) == "47 kg"
 
 
 REFUSED = [

@@ -37,7 +37,7 @@ def sized(**select: Any) -> Any:
 
 def test_motor_and_gearhead_of_five_figures_are_a_drive():
     found = sized(motor=MOTOR, gearhead=GEARHEAD)
-    one = found.shown
+    one = found.reported
     assert (one.motor.part, one.gearhead.part, one.motor.resistance) == ("775", "P60 64:1", pytest.approx(12 / 70))
     # by hand: m g d/2 on the drum, over ratio, efficiency and torque per ampere
     lifting = 6 * 9.80665 * 0.02 / (64 * 0.75) / (0.5 / 70)
@@ -61,23 +61,23 @@ def test_a_typed_row_is_the_row_of_a_file(tmp_path: Path):
     direct = {"transmission": [{"kind": "direct"}, {"kind": "gear", "ratio": 60, "efficiency": "80 %"}]}
     ours = size(load_spec({**WINCH, **direct, "select": {"catalogs": ["basicmicro"], "motor": MOTOR}}))
     theirs = size(load_spec({**WINCH, **direct, "select": {"catalogs": catalogs, "motor": {"part": "775"}}}))
-    each = [[str((c.name, c.demand, c.limit, c.status)) for c in one.shown.checks] for one in (ours, theirs)]
+    each = [[str((c.name, c.demand, c.limit, c.status)) for c in one.reported.checks] for one in (ours, theirs)]
     assert each[0] == each[1]
 
 
 def test_a_typed_motor_goes_with_gearheads_that_are_named_and_a_typed_gearhead_with_any_motor():
     with_family = sized(catalogs=["maxon"], motor={**MOTOR, "shaft_diameter": "5 mm"}, gearhead={"family": "GP 32 C"})
-    assert {one.gearhead.family for one in (with_family.shown, *with_family.misses)} == {"GP 32 C"}
+    assert {one.gearhead.family for one in (with_family.reported, *with_family.misses)} == {"GP 32 C"}
     assert "gearhead GP 32 C on motor 775: assumed to fit" in with_family.warnings
     any_motor = sized(catalogs=["andymark", "rev"], gearhead=GEARHEAD)
-    assert any_motor.shown.gearhead.part == "P60 64:1" and any_motor.counts.considered > 5
+    assert any_motor.reported.gearhead.part == "P60 64:1" and any_motor.counts.considered > 5
     assert "gearhead P60 64:1 on motor any: assumed to fit" in any_motor.warnings
 
 
 def test_an_actuator_with_figures_at_its_output():
     found = sized(actuator=ACTUATOR)
-    assert found.shown.actuator.part == "worm 12 V"
-    assert next(c for c in found.shown.checks if c.name == "motor_speed").limit == pytest.approx(60 * pi / 30)
+    assert found.reported.actuator.part == "worm 12 V"
+    assert next(c for c in found.reported.checks if c.name == "motor_speed").limit == pytest.approx(60 * pi / 30)
 
 
 def test_of_an_axis_of_a_machine():

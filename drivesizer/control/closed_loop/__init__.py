@@ -182,7 +182,7 @@ class ClosedLoop(Prepared):
         """A peak without limits, or its time, SI: the larger of the simulation and of the periodic steady state."""
         return _largest((self.unlimited, *self.steady_cycle[1:]), name)
 
-    def drawn(self, name: str) -> float:
+    def peak(self, name: str) -> float:
         """A peak with limits, or its time, SI: the larger of the simulation and of the periodic steady state."""
         return _largest((self.out, *self.steady_cycle[:1]), name)
 

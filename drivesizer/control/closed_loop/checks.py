@@ -198,7 +198,7 @@ def _resisted(case: ClosedLoop, name: str, power: bool = False) -> Range:
     it in the steady state, up to its permitted temperature.
     """
     motor, ambient, supply = case.drive_set.motor, case.spec.environment.ambient, case.spec.supply
-    read = case.drawn if power else case.required
+    read = case.peak if power else case.required
     value, current = read(name), read("current")
     if thermal.two_bodies(motor).known or not case.spec.plant.warming:
         return Range(value, value)
@@ -253,7 +253,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     if supply.current is not None:
         yield _check(
             at_most("supply_current", _resisted(case, "bus_current", power=True), supply.current),
-            case.drawn("bus_current_time"),
+            case.peak("bus_current_time"),
             "electrical power over the supply's voltage",
         )
 

@@ -105,7 +105,7 @@ _PROBLEMS = ("", "the state leaves the range of numbers: the loop is unstable", 
 
 def is_compiled() -> bool:
     """Whether the simulation is at hand as machine code."""
-    return KERNEL.kept
+    return KERNEL.translated
 
 
 def simulate(

@@ -631,7 +631,7 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
     """Simulate a drive along all pieces."""
     h, near = p[at.H], size[3]
     n_v, cycle = int(p[at.N_V]), int(p[at.N_V] * max(p[at.N_P], 1.0))
-    pause = n_v * int(max(p[at.EVERY], 1.0))
+    pause = n_v * int(max(p[at.HEAT_PERIODS], 1.0))
     corner, turned, swept, spent, square, since, u = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for n in range(pieces.shape[0]):
         piece = pieces[n]

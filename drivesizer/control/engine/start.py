@@ -140,7 +140,10 @@ def line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
 
 STILL, STILL_WARM = 1e-12, 1e-9  # change over a sample that is neglected, of full scale; while the resistance changes
 _RESTS = 1e-4  # of full speed, below which a motor counts as at rest: what is left is a loop settling
-_EVERY, _SLOW = 16.0, 1e4  # periods after which derivatives of slow temperatures follow; periods in a time constant
+_HEAT_PERIODS, _SLOW = (
+    16.0,
+    1e4,
+)  # periods after which derivatives of slow temperatures follow; periods in a time constant
 _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes are met to 4e-6 of themselves
 
 
@@ -172,7 +175,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
         "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most,
         "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts, "RESTS": _RESTS * full_w,
         "TOL_F": tight * m.ratio * m.torque_constant * full_i / m.stiffness if m.flexible else math.inf,
-        "TOL_X": math.inf, "AMBIENT": DATA_TEMPERATURE, "EVERY": 1.0, "AHEAD": 1.0,
+        "TOL_X": math.inf, "AMBIENT": DATA_TEMPERATURE, "HEAT_PERIODS": 1.0, "AHEAD": 1.0,
         "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
     }  # fmt: skip
     if isinstance(c, Gains):
@@ -202,7 +205,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
             "A_HH": -to_h - 1.0 / (b.R_th2 * b.capacity_h), "BY_SQUARE": at_ambient / b.capacity_w,
             "BY_LOSS": 1.0 / b.capacity_h, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
             "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
-            "EVERY": _EVERY if b.tau_w > _SLOW * velocity else 1.0,
+            "HEAT_PERIODS": _HEAT_PERIODS if b.tau_w > _SLOW * velocity else 1.0,
         }  # fmt: skip
     return [float(named.get(name, 0.0)) for name in PARAMETERS]
 

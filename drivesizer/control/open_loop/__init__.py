@@ -107,7 +107,7 @@ def simulate(
         "FADES": 2.0 / math.sqrt(stepper.teeth * stepper.inertia), "MICRO": stepper.microstep,
         "RAMP": _RAMP * pulses * stepper.microstep if fine else math.inf, "H": step,
         "V_STEP": (stepper.top_speed or 1.0) / (len(stepper.torque) - 1), "SHARE": share, "IDLE": stepper.idle,
-        "RUBS": float(bool(rubs)), "ENDS": ends, "EVERY": max(pieces[:, 0].sum() / (_ROWS - 2), 0.25 * step),
+        "RUBS": float(bool(rubs)), "ENDS": ends, "T_ROW": max(pieces[:, 0].sum() / (_ROWS - 2), 0.25 * step),
     }  # fmt: skip
     p = np.array([machine.get(name, 0.0) for name in PARAMETERS])
     q = np.array([figures.get(name, 0.0) for name in at.FIGURES])

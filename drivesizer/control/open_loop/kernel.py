@@ -42,9 +42,9 @@ Array = NDArray[np.float64]
 # teeth; damping, and speed at which it has faded, per root of the torque; a microstep; speed from which pulses are a
 # ramp; longest step; step of the speed in the table; share of the pull-out torque, of that at rest, and present share;
 # whether anything rubs; lag at which it ends; interval of the rows
-_FIGURES = "TEETH DAMP FADES MICRO RAMP H V_STEP SHARE IDLE NOW RUBS ENDS EVERY"
+_FIGURES = "TEETH DAMP FADES MICRO RAMP H V_STEP SHARE IDLE NOW RUBS ENDS T_ROW"
 FIGURES = _FIGURES.split()
-TEETH, DAMP, FADES, MICRO, RAMP, H, V_STEP, SHARE, IDLE, NOW, RUBS, ENDS, EVERY = places(FIGURES)
+TEETH, DAMP, FADES, MICRO, RAMP, H, V_STEP, SHARE, IDLE, NOW, RUBS, ENDS, T_ROW = places(FIGURES)
 
 # largest magnitudes with their times: lag of the rotor behind the field (electrical), distance from the profile,
 # torque of the driven shaft, speed of the motor; when the lag first passed half a turn; at the end lag, distance from
@@ -158,7 +158,7 @@ def noted(q: Array, g: Array, rows: Array, now: tuple[float, ...]) -> None:
         g[G_SLIPPED] = t
     g[G_END_LAG], g[G_END_ERROR], g[G_TIME] = lag, error, t
     k = int(g[G_ROWS])
-    if k < rows.shape[0] and t >= k * q[EVERY]:
+    if k < rows.shape[0] and t >= k * q[T_ROW]:
         for n in range(7):
             rows[k, n] = now[n]
         g[G_ROWS] = k + 1.0

@@ -59,7 +59,7 @@ INPUT, LOST_SLIP, LOST_WHEEL, LOST_ROLLER, LOST_CASTER = range(5)
 TALLIES = 5
 
 # pose feedback: law (0 none, 1 of three freedoms, 2 of a unicycle), periods between poses, gains
-LAW, EVERY, K_P, K_I, K_X, K_Y, APERIODIC = range(7)
+LAW, PERIODS, K_P, K_I, K_X, K_Y, APERIODIC = range(7)
 
 
 def grip(x: float) -> float:
@@ -404,7 +404,7 @@ def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Ar
         record_state(W, y, torque, w, rows[k], floor[k], applied[k])
         if k == planned.shape[0] - 1:
             break
-        command(P, y, planned[k], eta[k], z, P[LAW] != 0.0 and k % int(P[EVERY]) == 0, period * P[EVERY])
+        command(P, y, planned[k], eta[k], z, P[LAW] != 0.0 and k % int(P[PERIODS]) == 0, period * P[PERIODS])
         for i in range(n):
             z[9 + n + i] = 0.0
             if W[i, KIND] == 0.0:

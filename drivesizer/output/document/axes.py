@@ -126,7 +126,7 @@ class MachineContent(Reported):
     def document(self) -> doc.Document:
         """The machine on paper, but for the figures."""
         return doc.Document(name=self.name, machine=self.words, block=self.title_block,
-                            sections=[*printed(chapters(self))], found=self.sizing.complete)  # fmt: skip
+                            sections=[*printed(chapters(self))], has_drive=self.sizing.complete)  # fmt: skip
 
     @cached_property
     def loads(self) -> dict[str, Pictured]:

@@ -120,7 +120,7 @@ class Content(Reported):
     @property
     def drive(self) -> DriveSet | None:
         """The drive that is reported: the best, else the most probable, else the closest rejected one."""
-        return self.result.shown
+        return self.result.reported
 
     @property
     def status(self) -> CheckStatus:

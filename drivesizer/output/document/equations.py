@@ -28,7 +28,7 @@ def equations() -> doc.Document:
         number = f"({declared.number})" if declared.number else ""
         mark = " *" if derivation.printed_failure(declared) else ""
         computed = f"{declared.symbol} = {derivation.text(declared.computed)}{mark}"
-        rows.append((number, declared.title, computed, label(declared.shown)))
+        rows.append((number, declared.title, computed, label(declared.display_unit)))
     for _, matrix in sorted(PLATFORM.items()):
         mark = " *" if any(robot_figures.finding(matrix)) else ""
         computed = f"{matrix.symbol} = {platform_equations.text(matrix.computed)}{mark}"
@@ -54,7 +54,7 @@ def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = ""
     rows.append(("as computed", f"{declared.symbol} = {derivation.text(declared.computed)}"))
     if declared.note:
         rows.append(("note", declared.note))
-    rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
+    rows.append(("result", f"{declared.result.meaning} [{label(declared.display_unit) or '1'}]"))
     rows += [
         (derivation.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms
     ]

@@ -22,7 +22,7 @@ def paper_data(document: doc.Document, date: str | None = None) -> dict[str, Any
     sections = sections_data(document.sections)
     return cleaned({"name": document.name, "header": short(header), "block": document.block,
                                     "machine": document.machine, "version": __version__, "date": short(date or "", 40),
-                                    "found": document.found, "subject": document.subject, "sections": sections,
+                                    "found": document.has_drive, "subject": document.subject, "sections": sections,
                                     "depth": 2 if len(sections) <= _MOST_LISTED else 1})  # fmt: skip
 
 

@@ -283,7 +283,7 @@ class Series:
     title: str
     file: str
     columns: Mapping[str, tuple[NDArray[np.float64], str, str]]  # values [SI], kind, unit
-    drawn: tuple[str, ...] = ()  # columns of a chart in the workbook
+    chart_columns: tuple[str, ...] = ()  # columns of a chart in the workbook
     note: str = ""
 
 
@@ -367,7 +367,7 @@ class Equation:
 class Verdict:
     """The outcome in a few paragraphs."""
 
-    found: bool
+    has_drive: bool
     paragraphs: Sequence[Text]
 
 
@@ -463,7 +463,7 @@ class Document:
     machine: str = ""  # in words
     block: Sequence[tuple[str, str]] = ()  # customer, project, author, revision
     sections: Sequence[Printed]
-    found: bool = True
+    has_drive: bool = True
     subject: str = "drive sizing"
     headed: bool = True  # whether a terminal prints its name
     pictures: Mapping[str, Any] = field(default_factory=dict)  # figures by name, of one that is no sizing

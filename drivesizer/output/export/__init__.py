@@ -22,7 +22,7 @@ __all__ = [
 class Format(NamedTuple):
     """A format: its reader, its module with the function that renders it, and the suffixes of its file."""
 
-    said: str
+    description: str
     module: str
     suffixes: tuple[str, ...]
     render: str = "render"
@@ -42,7 +42,7 @@ FORMATS = {
 def accept(form: str, path: Path) -> None:
     """Refuse an unknown format or an impossible target, before time is spent."""
     if form not in FORMATS:
-        readers = {entry.said.lower(): f"; {entry.said} reads {name}" for name, entry in FORMATS.items()}
+        readers = {entry.description.lower(): f"; {entry.description} reads {name}" for name, entry in FORMATS.items()}
         read_by = readers.get(form.lower(), "")
         raise InputError(f"--format: {quoted(form)} is not known{read_by}; expected {', '.join(FORMATS)}")
     if path.suffix.lower() not in FORMATS[form].suffixes:

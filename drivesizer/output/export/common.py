@@ -508,7 +508,7 @@ class Link(NamedTuple):
     centre: Vector  # m, of mass, from the axis
     mass: float  # kg
     inertia: float  # kg*m^2 about its centre of mass, in every direction
-    said: str  # remark
+    remark: str  # remark
 
 
 def link_of(of: Export, *, reflected: bool) -> Link:

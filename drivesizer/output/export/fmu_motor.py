@@ -110,13 +110,13 @@ class Drive:
 
     def _step(self, h: float) -> None:
         direction = self._direction()
-        i, w, angle = self._moved(h, direction)
+        i, w, angle = self._stepped(h, direction)
         if w * direction < 0.0:  # it comes to rest within the step: up to there, and the rest from standstill
             share = self._stops(h, direction)
-            i, _, angle = self._moved(share, direction)
+            i, _, angle = self._stepped(share, direction)
             self._settle(i, 0.0, angle, share)
             direction = self._direction()
-            i, w, angle = self._moved(h - share, direction)
+            i, w, angle = self._stepped(h - share, direction)
             h -= share
             w = w if w * direction >= 0.0 else 0.0
         self._settle(i, w, angle, h)
@@ -126,7 +126,7 @@ class Drive:
         low, high = 0.0, h
         for _ in range(_ROUNDS):
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if self._moved(middle, direction)[1] * direction < 0.0 else (middle, high)
+            low, high = (low, middle) if self._stepped(middle, direction)[1] * direction < 0.0 else (middle, high)
         return low
 
     def _direction(self) -> int:
@@ -171,7 +171,7 @@ class Drive:
                 slope = 0.0  # the controller holds it there
         return slope, self._acceleration(flows, w, angle, direction) if direction else 0.0
 
-    def _moved(self, h: float, direction: int) -> tuple[float, float, float]:
+    def _stepped(self, h: float, direction: int) -> tuple[float, float, float]:
         """Current, speed and angle of the shaft after a step."""
         i, w = self.current, self.motor_speed if direction else 0.0
         angle, turn = self.shaft_angle, h / self.ratio

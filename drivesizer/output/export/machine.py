@@ -38,7 +38,7 @@ class RobotExport:
     robot: Robot
     section: RobotSection
     drives: tuple[JointDrive, ...]  # in the order of the description
-    held: Mapping[str, float]  # rad or m, joints that do not move
+    fixed_joints: Mapping[str, float]  # rad or m, joints that do not move
     payload: Attached | None
     payload_mass: float  # kg
     base: Array  # turn of the base against the world, shape (3, 3)
@@ -200,7 +200,7 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
         robot=robot,
         section=section,
         drives=tuple(drives),
-        held=fixed,
+        fixed_joints=fixed,
         payload=payload_place(section, robot, joints),
         payload_mass=section.payload.mass if section.payload else 0.0,
         base=rotation(np.array([mounting.roll, mounting.pitch, mounting.yaw])),
@@ -240,7 +240,7 @@ def head(of: MachineExport) -> list[str]:
             slides=any(drive.slides for drive in robot.drives),
             bearings=robot.section.friction == "keep" and any(joint.damping or joint.friction for joint in driven),
             within=robot.section.masses == "with_drives",
-            held=", ".join(f"{name} {brief(value)}" for name, value in robot.held.items()),
+            held=", ".join(f"{name} {brief(value)}" for name, value in robot.fixed_joints.items()),
         )
         lines += robot.robot.notes
     if of.axes:

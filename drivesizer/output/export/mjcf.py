@@ -88,7 +88,7 @@ def render(of: MachineExport) -> bytes:
         common.refuse_doubles(root, ("body", "joint", "site", "numeric"), name)
     if robot:  # the positions at which the trajectory starts; axes beside the robot at 0
         start = zip(robot.motion.joints, robot.motion.position[0, 0].tolist(), strict=True)
-        at, joints = dict(robot.held) | dict(start), sections["worldbody"].iter("joint")
+        at, joints = dict(robot.fixed_joints) | dict(start), sections["worldbody"].iter("joint")
         qpos = vector(at.get(joint.attrib["name"], 0.0) for joint in joints)
         SubElement(sections["keyframe"], "key", name="start", qpos=qpos)
     for section in sections.values():
@@ -192,7 +192,7 @@ def _axis(sections: Sections, name: str, of: Export) -> None:
     joint = {"joint": f"{before}shaft"}
     turns = {"name": joint["joint"], "type": "hinge", "axis": vector(link.axis), "frictionloss": number(friction)}
     SubElement(body, "joint", turns | {"armature": number(armature)} | _hard(step))
-    remark(body, link.said)
+    remark(body, link.remark)
     about = vector([link.inertia] * 3)
     SubElement(body, "inertial", pos=vector(link.centre), mass=number(link.mass), diaginertia=about)
     if lever is None:
@@ -356,7 +356,7 @@ def _robot(sections: Sections, robot: RobotExport, step: float) -> None:
             SubElement(sections["sensor"], kind, name=f"{drive.joint}_{name}", joint=drive.joint)
         SubElement(sections["sensor"], "actuatorfrc", name=f"{drive.joint}_torque", actuator=motor)
     stiff = {"solref": f"{number(2.0 * step)} 1", "solimp": "0.9999 0.9999 0.001 0.5 2"}
-    for name, position in robot.held.items():
+    for name, position in robot.fixed_joints.items():
         target = {"polycoef": f"{number(position - robot.robot.joints[name].reference)} 0 0 0 0"}
         SubElement(sections["equality"], "joint", {"name": f"{name}_held", "joint1": name} | target | stiff)
     motion = robot.motion

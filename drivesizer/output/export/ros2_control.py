@@ -119,7 +119,9 @@ def controllers(of: MachineExport) -> bytes:
         lines += sentences("ros2_control: steppers", platform=bool(platform), alone=bool(of.alone))
     if platform:
         lines += (
-            [*sentences("ros2_control: base", of=platform), *base.said] if base else sentences("ros2_control: no base")
+            [*sentences("ros2_control: base", of=platform), *base.remarks]
+            if base
+            else sentences("ros2_control: no base")
         )
     along = [] if platform else [joint.joint for joint in steppers]
     rate = _rate(slowest) if slowest else _TRAJECTORY
@@ -148,7 +150,7 @@ class Noted(NamedTuple):
     """A parameter with a remark behind it."""
 
     value: float
-    said: str
+    remark: str
 
 
 def _gains(joint: JointDrive) -> dict[str, Any]:
@@ -214,7 +216,7 @@ class BaseController(NamedTuple):
     kind: str  # plugin
     parameters: Mapping[str, Any]
     direction: float = 1.0  # -1 where its wheels turn the other way round
-    said: tuple[str, ...] = ()  # remarks
+    remarks: tuple[str, ...] = ()  # remarks
 
 
 def _near(a: Any, b: Any) -> bool:
@@ -239,7 +241,7 @@ def base_controller(of: PlatformExport) -> BaseController | None:
         }  # fmt: skip
         ahead_of = of.platform.wheels[next(iter(of.drives))].x
         notes = (f"odometry is that of the axle's middle, {ahead_of:.4g} m ahead of {FOOTPRINT}",) if ahead_of else ()
-        return BaseController("diff_drive_controller/DiffDriveController", parameters, said=notes)
+        return BaseController("diff_drive_controller/DiffDriveController", parameters, remarks=notes)
     if len(names) == 4 and _near(ahead, 1.0) and _near(np.abs(aside), 1.0) and _near(aside.sum(), 0.0):
         return _mecanum(of, aside, turning, before, frames)
     angles = np.arctan2(-ahead, aside) % tau

@@ -82,7 +82,7 @@ def _shafts(parent: Element, of: MachineExport) -> Iterator[tuple[JointDrive, co
             remark(parent, f"Axis {identifier(name)}.", *common.remarks(drive.of))
         load = common.link_of(drive.of, reflected=True)
         link = SubElement(parent, "link", name=f"{drive.joint.removesuffix('shaft')}load")
-        remark(link, load.said)
+        remark(link, load.remark)
         yield drive, load, link
         common.refuse_doubles(parent, ("link", "joint"), name)
 

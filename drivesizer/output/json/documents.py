@@ -148,7 +148,7 @@ def _platform(result: SizingResult) -> PlatformNumbers | None:
         return None
     from drivesizer.output.platform import platform_numbers  # with what a spec without one need not load
 
-    return platform_numbers(result.spec, result.shown)
+    return platform_numbers(result.spec, result.reported)
 
 
 def _si_unit(figure: IdentifiedFigure) -> str:

@@ -386,7 +386,7 @@ def _series(book: Any, page: Any, series: doc.Series, pen: _Pen) -> Any:
         page.write_string(0, len(names), note, pen("text"))
     page.freeze_panes(1, 1)
     page.set_landscape()
-    curves = [name for name in series.drawn if name in names]
+    curves = [name for name in series.chart_columns if name in names]
     if curves and len(rows):
         chart, sheet = book.add_chart({"type": "scatter", "subtype": "straight"}), page.get_name()
         of = [units[names.index(name)] for name in curves]

@@ -250,7 +250,7 @@ def brakes_for(
             row = np.where(good.any(axis=1), option[np.arange(len(option)), place], row)
     if not spec.names_brake:  # none where every load case holds itself, or friction that counts holds it
         if spec.needs.holding_friction == "ignored":
-            needless: Mask | bool = all(cycle.base.scalars.held == 0.0 for cycle in cycles)
+            needless: Mask | bool = all(cycle.base.scalars.holding_torque == 0.0 for cycle in cycles)
         else:
             cases = zip(problem.cases, cycles, strict=True)
             needless = np.logical_and.reduce(
@@ -277,8 +277,8 @@ def _of_options(problem: Problem, cycles: Sequence[AtGearhead], parts: Parts) ->
 
 def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures, brake: Figures) -> CheckColumn:
     """Torque at rest that reaches the brake, through belt and gearhead or at the load's shaft, against its own."""
-    at_load = cycle.held * cycle.belt / spec.belt_efficiency
-    behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
+    at_load = cycle.holding_torque * cycle.belt / spec.belt_efficiency
+    behind = held_by_brake(cycle.holding_torque, gearhead["ratio"], gearhead["efficiency"])
     reaches = np.where(brake["shaft"] == "load", at_load, behind)
     if spec.needs.holding_friction == "ignored":
         return at_most("holding", reaches, brake["static_torque"], needed=spec.needs.holding_factor - 1.0)
@@ -293,7 +293,7 @@ _COUNTED = "with the motor's printed friction and detent torque"
 
 def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures) -> Mask:
     """Whether the motor's friction is to be counted and holds the load alone, with the safety factor."""
-    behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
+    behind = held_by_brake(cycle.holding_torque, gearhead["ratio"], gearhead["efficiency"])
     counted = spec.needs.hold_unpowered and spec.needs.holding_friction == "counted"
     return counted & np.asarray(held_by_friction(motor) >= spec.needs.holding_factor * behind)
 
@@ -304,13 +304,13 @@ def brake_limits(spec: RobotSpec, cycle: AtGearhead, parts: Parts, demand: Deman
     assert brake is not None
     there = brake["part"] != ""
     rubs = needs.holding_friction == "counted" and ~there & _by_friction(spec, cycle, motor, gearhead)
-    idle = ~there & np.asarray(cycle.held == 0.0) | rubs
+    idle = ~there & np.asarray(cycle.holding_torque == 0.0) | rubs
     checks = [fits("brake_fits", listed | idle, listed | idle)]
     if needs.hold_unpowered:
         checks.append(_holding(spec, cycle, motor, gearhead, brake))
         passed_on = (there | rubs) & (brake["shaft"] == "")
         carried = np.where(passed_on, gearhead["intermittent_torque"], np.inf)
-        torque = cycle.held / spec.belt_efficiency
+        torque = cycle.holding_torque / spec.belt_efficiency
         checks.append(at_most("gearhead_holding", torque, carried, needed=spec.margins.torque))
     fastest = np.where(np.isnan(brake["max_speed"]), np.inf, brake["max_speed"])
     turning = demand.peak_speed / _turns(brake, demand.total_ratio * cycle.belt)
@@ -331,7 +331,7 @@ def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures,
     total = gearhead["ratio"] * cycle.belt
     shaft = _turns(brake, total)
     whole = (inertia + cycle.load_cycle.inertia / total**2) * shaft**2
-    weight = cycle.held * cycle.belt / spec.belt_efficiency / total * shaft
+    weight = cycle.holding_torque * cycle.belt / spec.belt_efficiency / total * shaft
     speed = cycle.peak_speed * gearhead["ratio"] / shaft
     slips = (np.where(np.isnan(brake["dynamic_torque"]), share * brake["static_torque"], brake["dynamic_torque"])
              for share in reversed(SLIPPING))  # fmt: skip
@@ -360,7 +360,7 @@ def _through_gearhead(
     """Largest torque of a stop at the gearhead's output, with a brake at the motor that slips as hard as it holds."""
     i = gearhead["ratio"]
     load = cycle.load_cycle.inertia / (i * cycle.belt) ** 2
-    weight = cycle.held / spec.belt_efficiency / i
+    weight = cycle.holding_torque / spec.belt_efficiency / i
     strongest = np.fmax(brake["static_torque"], brake["dynamic_torque"])
     slowing = np.maximum(strongest - weight, 0.0) / (inertia + load)
     torque = i * (weight + load * slowing)

@@ -121,7 +121,7 @@ class Evaluation(NamedTuple):
         """Of some of the candidates."""
         return Evaluation(self.problem, *on(self[1:], rows))
 
-    def chosen(self, rows: Whole | slice = slice(None)) -> Candidates:
+    def with_parts(self, rows: Whole | slice = slice(None)) -> Candidates:
         """Some of the candidates, each with the parts that were chosen for it."""
         parts = {name: getattr(self, name)[rows] for name in ("controller", "brake", "encoder")}
         return self.candidates.on(rows)._replace(**parts)
@@ -235,7 +235,7 @@ def _over_bands(
         return at(problem, candidates)
     sets, (favourable, unfavourable) = candidates.on(rows), at_ends(problem)
     hard = at(unfavourable, sets)
-    easy = at(favourable, hard.chosen())
+    easy = at(favourable, hard.with_parts())
     if (easy.failed | easy.unknown).any():
         hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), sets)
     middle = at(problem, _with_parts(candidates, rows, hard))
@@ -251,10 +251,10 @@ def _with_others(
     sets: Candidates,
 ) -> tuple[Evaluation, Evaluation]:
     """Both ends of a band, with the controller of the favourable one of candidates of which less then is undecided."""
-    free = at(easy[0], hard[1].chosen()._replace(controller=np.full(len(sets.motor), FREE)))
+    free = at(easy[0], hard[1].with_parts()._replace(controller=np.full(len(sets.motor), FREE)))
     if (free.controller == hard[1].controller).all():
         return hard[1], easy[1]
-    drives = free.chosen()
+    drives = free.with_parts()
     other = at(hard[0], drives)
     better = _undecided(other) + _undecided(free) < _undecided(hard[1]) + _undecided(easy[1])
     drives = drives._replace(controller=np.where(better, free.controller, hard[1].controller))

@@ -283,7 +283,7 @@ def exact(
     share = kept_on_the_bus(spec)
     level = ENERGY if what == "all" or np.any(share > 0.0) else POWER
     drives = drives_of(
-        ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=share,
+        ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, bus_share=share,
         limit=controller_current(parts.controller, ambient), error=error, band=band, cold=spec.once,
     )  # fmt: skip
     all_rows, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
@@ -292,7 +292,7 @@ def exact(
     warmest = np.broadcast_to(temperature_at_most(ambient, cycle, heating, stresses, motor), all_rows.shape)
     mean = np.broadcast_to(heating.winding, all_rows.shape)
     held_mean = np.where(np.isfinite(mean), mean, np.nan) - ambient
-    drives = drives._replace(held=_permitted(warmest, motor) - ambient, held_mean=held_mean)
+    drives = drives._replace(rise=_permitted(warmest, motor) - ambient, mean_rise=held_mean)
     least_of, high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, all_rows)
     cold, _ = _moments(ambient, cycle, at_rise(drives, 0.0, 0.0), feed, stresses.cold_voltage, level, rows)
     low = Moments(*(column.copy() for column in least_of))

@@ -50,7 +50,7 @@ class Derivation:
         called = name or like.name
         self.steps[called] = Requirement(
             name=called, title=title or like.title, symbol=symbol or like.symbol, value=value, kind=like.kind,
-            unit=like.shown, declared=declared, inputs=inputs, note=note,
+            unit=like.display_unit, declared=declared, inputs=inputs, note=note,
         )  # fmt: skip
 
 

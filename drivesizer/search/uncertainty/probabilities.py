@@ -229,11 +229,13 @@ def _counting(drive: Subject, ends: Prepared) -> list[int]:
     """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts."""
     rows, tolerances = (
         (drive.rows.motor, drive.rows.gearhead, drive.rows.controller),
-        ends.problem.spec.tolerances.given,
+        ends.problem.spec.tolerances.classes,
     )
     classes = uncertain_figures.holding_of_a_set(ends.problem.catalog, tolerances, *rows)
     return [
-        k for k, assumption in enumerate(ends.given) if assumption.catalogue is None or assumption.catalogue in classes
+        k
+        for k, assumption in enumerate(ends.assumptions)
+        if assumption.catalogue is None or assumption.catalogue in classes
     ]
 
 
@@ -248,11 +250,11 @@ def _drivers(drive: Subject, ends: Prepared, ready: Prepared, smallest: Array) -
     checks, drivers = next(_every_check(ends, ends.problem.catalog, [drive])), []
     margins = np.min([over.tightness for over in checks.values()], axis=0)
     for k, share, sign in zip(own, shares, signs, strict=True):
-        assumption = ends.given[k]
+        assumption = ends.assumptions[k]
         (low, high), (low_margin, high_margin) = ends.values[_ends(k), k], margins[_ends(k)].tolist()
         drivers.append(Driver(
             name=assumption.name, title=assumption.title, share=share, rank_correlation=sign, low_margin=low_margin,
-            high_margin=high_margin, low=assumption.shown(low), high=assumption.shown(high),
+            high_margin=high_margin, low=assumption.with_unit(low), high=assumption.with_unit(high),
         ))  # fmt: skip
     return tuple(sorted(drivers, key=lambda driver: (-driver.share, driver.name)))
 
@@ -272,8 +274,8 @@ def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) 
             row += block.size
     return [
         assumption
-        for k, assumption in enumerate(ends.given)
-        if assumption.given is not None and not changed[_ends(k)].any()
+        for k, assumption in enumerate(ends.assumptions)
+        if assumption.spec_class is not None and not changed[_ends(k)].any()
     ]
 
 
@@ -319,7 +321,7 @@ def sample_drives(
     """Reliability of drives."""
     rows = [(drive.rows.motor, drive.rows.gearhead, drive.rows.controller) for drive in subjects.values()]
     machine = problem.machine
-    classes = uncertain_figures.classes_in_use(problem.catalog, machine.tolerances.given, rows)
+    classes = uncertain_figures.classes_in_use(problem.catalog, machine.tolerances.classes, rows)
     if machine.needs.start_speed is None:
         classes = tuple(
             tolerance for tolerance in classes if tolerance.figure != "start_speed"
@@ -356,7 +358,7 @@ def reliabilities(
             from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
 
             own = _counting(drive, sampled.ends)
-            assumptions, values = [ready.given[k] for k in own], ready.values[:, own]
+            assumptions, values = [ready.assumptions[k] for k in own], ready.values[:, own]
             try:
                 share = loop_share(ready.problem.spec, finalists[row], assumptions, values, how.loop)
                 described[row] = replace(described[row], loop=share)
@@ -368,11 +370,17 @@ def reliabilities(
 def uncertainty(sampled: SampledDrives) -> Uncertainty:
     """Assumptions and samples, which all drives have in common."""
     assumptions = []
-    for assumption in sampled.ready.given:
-        text = assumption.given.text if assumption.given else assumption.catalogue.text if assumption.catalogue else ""
+    for assumption in sampled.ready.assumptions:
+        text = (
+            assumption.spec_class.text
+            if assumption.spec_class
+            else assumption.catalogue.text
+            if assumption.catalogue
+            else ""
+        )
         title = (
             assumption.name
-            if assumption.given
+            if assumption.spec_class
             else assumption.catalogue.title
             if assumption.catalogue
             else assumption.name
@@ -425,8 +433,8 @@ def _idle(sampled: SampledDrives) -> list[str]:
     by_reason: dict[str, list[str]] = {}
     looped = sampled.how.confidence is not None and sampled.how.loop > 0
     for figure in without_effect([*sampled.subjects.values()][:_FIRST], sampled.ready.problem.catalog, sampled.ends):
-        if figure.given and not (looped and figure.given.path[0] == "plant"):
-            by_reason.setdefault(uncertain_figures.reason(figure.given.path), []).append(figure.name)
+        if figure.spec_class and not (looped and figure.spec_class.path[0] == "plant"):
+            by_reason.setdefault(uncertain_figures.reason(figure.spec_class.path), []).append(figure.name)
     return [
         f"no sampled check depends on {', '.join(names)}: that tolerance has no effect here{f'; {why}' if why else ''}"
         for why, names in by_reason.items()

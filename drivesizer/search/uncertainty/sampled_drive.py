@@ -77,7 +77,7 @@ class Prepared(NamedTuple):
     """The samples, which all drives have in common."""
 
     problem: Problem
-    given: tuple[Assumption, ...]
+    assumptions: tuple[Assumption, ...]
     values: Array  # (samples, assumptions); fewer than were drawn where load cycles are long
     cases: tuple[_Case, ...]
 
@@ -176,7 +176,7 @@ def side_by_side(several: Sequence[LoadCycle]) -> LoadCycle:
         demand, limit = (np.array([getattr(cycle.own[n], name) for cycle in several]) for name in ("demand", "limit"))
         own.append(own_limit._replace(demand=demand, limit=limit))
     inertia, radius, holding_torque = (
-        np.array([getattr(c, name) for c in several]) for name in ("inertia", "radius", "held")
+        np.array([getattr(c, name) for c in several]) for name in ("inertia", "radius", "holding_torque")
     )
     duration, speed, acceleration, torque = map(column, ("duration", "speed", "acceleration", "torque"))
     return LoadCycle(like.name, duration, speed, acceleration, torque, inertia, tuple(own), radius, holding_torque)
@@ -251,13 +251,13 @@ class Block(NamedTuple):
     ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
     feeds: tuple[tuple[Feeding, tuple[int, ...]], ...]  # batteries, each with the cases that draw from it
     factors: Mapping[Class, Array]  # of the catalogue's figures
-    given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
+    spec_classes: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
     belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
     memo: dict[Hashable, Alike]  # of parts that were looked at: many drives have the same
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
         """Factors of the figures of a part that are sampled, by figure."""
-        own = self.once(lambda: holding(catalog, self.given, part, row), "classes", part, row)
+        own = self.once(lambda: holding(catalog, self.spec_classes, part, row), "classes", part, row)
         return {tolerance.figure: self.factors[tolerance] for tolerance in own if tolerance in self.factors}
 
     def once(self, make: Callable[[], Value], *name: Hashable) -> Value:
@@ -278,7 +278,9 @@ def blocks(samples: Prepared, catalog: Catalog, belts: Sequence[float]) -> Itera
         specs, ats = [], []
         for case in samples.cases:  # with columns in place of the figures that enter checks
             columns = {k: path for k, path in case.paths.items() if enters_checks(path)}
-            differences = {path: samples.values[rows, k] - samples.given[k].nominal for k, path in columns.items()}
+            differences = {
+                path: samples.values[rows, k] - samples.assumptions[k].nominal for k, path in columns.items()
+            }
             spec = applied(case.spec, differences)
             base = CycleAtBelt(case.cycle.on(rows), spec.belt_efficiency)
             specs.append(spec)
@@ -292,11 +294,18 @@ def blocks(samples: Prepared, catalog: Catalog, belts: Sequence[float]) -> Itera
                 feeds.append((feeding(specs[numbers[0]], rated, catalog), numbers))
         factors = {
             assumption.catalogue: np.ascontiguousarray(samples.values[rows, k])
-            for k, assumption in enumerate(samples.given) if assumption.catalogue
+            for k, assumption in enumerate(samples.assumptions) if assumption.catalogue
         }  # fmt: skip
         known = {belt: samples.problem.belt_drive(belt) for belt in belts}
         yield Block(
-            len(rows), tuple(specs), tuple(ats), tuple(feeds), factors, samples.problem.spec.tolerances.given, known, {}
+            len(rows),
+            tuple(specs),
+            tuple(ats),
+            tuple(feeds),
+            factors,
+            samples.problem.spec.tolerances.classes,
+            known,
+            {},
         )
 
 

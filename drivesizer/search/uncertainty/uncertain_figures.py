@@ -231,7 +231,7 @@ class Assumption(NamedTuple):
     title: str  # load.mass 45 kg +- 3 kg; Motor resistance +- 10 %
     nominal: float  # SI; 1 of a factor
     distribution: Distribution  # SI; of a factor of the printed figure
-    given: Toleranced | None = None  # of the spec
+    spec_class: Toleranced | None = None  # of the spec
     catalogue: Class | None = None  # of the catalogue
 
     @property
@@ -239,10 +239,10 @@ class Assumption(NamedTuple):
         """Name that it shares with the same figure of other makers: its column in a sample."""
         return f"{self.catalogue.part}.{self.catalogue.figure}" if self.catalogue else self.name
 
-    def shown(self, value: float) -> str:
+    def with_unit(self, value: float) -> str:
         """A value of it as text."""
-        if self.given:
-            return self.given.shown(value)
+        if self.spec_class:
+            return self.spec_class.with_unit(value)
         return f"{100.0 * (value - 1.0):+.3g} %"
 
 
@@ -252,7 +252,7 @@ def assumptions(spec: RobotSpec, tolerances: Sequence[Class] | None = None) -> t
         foreign = NOT_OF_STEPPERS if spec.steps else OF_STEPPERS
         tolerances = [
             tolerance
-            for tolerance in classes(spec.tolerances.given)
+            for tolerance in classes(spec.tolerances.classes)
             if (tolerance.part, tolerance.figure) not in foreign
         ]
     return (
@@ -264,7 +264,7 @@ def assumptions(spec: RobotSpec, tolerances: Sequence[Class] | None = None) -> t
 def of_the_file(figure: Toleranced) -> Assumption:
     """The assumption that a figure of a spec is."""
     name = field_name(figure.path)
-    return Assumption(name, f"{name} {figure.text}", figure.value, figure.distribution, given=figure)
+    return Assumption(name, f"{name} {figure.text}", figure.value, figure.distribution, spec_class=figure)
 
 
 def of_a_class(tolerance: Class) -> Assumption:

@@ -196,7 +196,7 @@ def report_pictures(
     result: SizingResult, validation: Validation | None, does: Behaviour | None = None
 ) -> dict[str, Pictured]:
     """Every figure of a report, in the order in which it shows them."""
-    best, certain = result.shown, reported(result)
+    best, certain = result.reported, reported(result)
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
     pictures: dict[str, Pictured] = {}
     load = result.spec.entered.get("load")

@@ -26,7 +26,7 @@ def margins(checks: Sequence[Check]) -> Bars:
         share = 100.0 * share_of_limit if share_of_limit is not None else 0.0 if check.status == "pass" else FARTHEST
         mark = nan if share_of_limit is None or allowed is None or allowed == 1.0 else 100.0 * allowed
         text = check.status if isnan(check.margin) else margin(check.margin)
-        rows.append(Bar(check.title, min(share, FARTHEST), look=check.status, said=text, mark=mark))
+        rows.append(Bar(check.title, min(share, FARTHEST), look=check.status, label=text, mark=mark))
     return Bars(rows=rows, across="used share of the limit", unit="%", ends=(0.0, FARTHEST), line=100.0,
                 sides=(2.35, 0.62), marks="up to here with the required margin")  # fmt: skip
 
@@ -97,6 +97,6 @@ def tornado(drivers: Sequence[Driver]) -> Bars:
             ((100.0 * driver.low_margin, minus(driver.low)), (100.0 * driver.high_margin, minus(driver.high))),
             key=lambda end: end[0],
         )
-        rows.append(Bar(driver.title, right, left, said=f"{100.0 * driver.share:.0f} %", left=at_left, right=at_right))
+        rows.append(Bar(driver.title, right, left, label=f"{100.0 * driver.share:.0f} %", left=at_left, right=at_right))
     return Bars(rows=rows, across="smallest margin of all checks", unit="%", head="share of\nvariance",
                 sides=(2.75, 0.6))  # fmt: skip

@@ -399,16 +399,18 @@ def energy_bars(flow: EnergyFlow) -> Bars:
     largest = max(flow.drawn, *(abs(value) for _, value, _ in parts))
     unit = "J" if largest < 1e3 else "kJ" if largest < 1e6 else "MJ"
 
-    def shown(value: float) -> float:
+    def in_unit(value: float) -> float:
         return float(from_si(value, unit, "energy"))
 
     rows = [
-        Bar("drawn from the supply", shown(flow.drawn), look="drawn", said=f"{shown(flow.drawn):.4g} {label(unit)}")
+        Bar(
+            "drawn from the supply", in_unit(flow.drawn), look="drawn", label=f"{in_unit(flow.drawn):.4g} {label(unit)}"
+        )
     ]
     for name, value, look in parts:
-        low, high = sorted((shown(left - value), shown(left)))
+        low, high = sorted((in_unit(left - value), in_unit(left)))
         share = f", {100.0 * value / flow.drawn:.3g} %" if flow.drawn > 0.0 else ""
-        text = f"{shown(value):.4g} {label(unit)}{share}".replace("-", "−")
+        text = f"{in_unit(value):.4g} {label(unit)}{share}".replace("-", "−")
         rows.append(Bar(name, high, low, look, text))
         left -= value
     return Bars(rows=rows, across="energy of a cycle", unit=unit, sides=(2.0, 1.25))

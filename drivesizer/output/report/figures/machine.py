@@ -270,15 +270,15 @@ def axes_power(power: MachinePower) -> Plot:
     largest = max((float(layer.drawn.max(initial=0.0)) for layer in power_layers), default=0.0)
     unit, curves = "W" if largest < 10e3 else "kW", list[Curve]()
 
-    def held(values: Array) -> Any:  # means of pieces at the ends of these, the last one held
+    def steps(values: Array) -> Any:  # means of pieces at the ends of these, the last one held
         return from_si(np.append(values, values[-1:]), unit, "power")
 
     for layer, (colour, hatch) in zip(power_layers, LOOKS, strict=False):
         net = layer.drawn - layer.returned
         texts = [f"{value:.4g} {label(unit)}".replace("-", "−")
-                for value in held(np.where(np.abs(net) > _NOTHING * largest, net, 0.0))]  # fmt: skip
+                for value in steps(np.where(np.abs(net) > _NOTHING * largest, net, 0.0))]  # fmt: skip
         for stack, values in (("drawn", layer.drawn), ("returned", -layer.returned)):
-            curves.append(Curve(name=layer.name, x=course.time, y=held(values), colour=colour, hatch=hatch,
+            curves.append(Curve(name=layer.name, x=course.time, y=steps(values), colour=colour, hatch=hatch,
                                 stack=stack, texts=texts if stack == "drawn" else ()))  # fmt: skip
     if not np.isnan(course.total).any():
         curves.append(Curve(name="out of the source", x=np.repeat(course.time, 2)[1:-1],

@@ -92,13 +92,13 @@ def _speeds(hit: PartRow, unit: str, reach: float) -> Iterator[Curve]:
 def _line_name(hit: PartRow, ends: Any, start: float, reach: float) -> str:
     schema = columns_of(hit.section)
 
-    def shown(name: str) -> str:
+    def text(name: str) -> str:
         return figure(hit[name], schema[name])
 
-    at = "nominal voltage" if isnan(hit["nominal_voltage"]) else shown("nominal_voltage")
+    at = "nominal voltage" if isnan(hit["nominal_voltage"]) else text("nominal_voltage")
     name = f"at {at}, winding at {show(float(data_temperature(hit)), 'degC', 'temperature')}"
     name += ", computed from R, k_t and the no-load speed" if ends.computed else ""
-    name += f"; cut at the permitted {shown('max_speed')}" if start < ends.speed else ""
+    name += f"; cut at the permitted {text('max_speed')}" if start < ends.speed else ""
     stall = figure(ends.torque, schema["stall_torque"])
     name += f"; stall, {stall}, is beyond the chart" if ends.torque > reach else ""
     return name

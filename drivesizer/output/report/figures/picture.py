@@ -101,7 +101,7 @@ class Bar(NamedTuple):
     end: float
     start: float = 0.0
     look: str = "pass"  # of ``LOOKS``
-    said: str = ""  # at the right of all bars
+    label: str = ""  # at the right of all bars
     left: str = ""  # at its ends
     right: str = ""
     mark: float = nan  # a line across it
@@ -291,7 +291,7 @@ def _layer(axes: Axes, curve: Curve, stacks: dict[str, Array], name: str) -> Non
 class Limit(NamedTuple):
     """A limit with its name in words, below its line where another one is close above it."""
 
-    said: str
+    label: str
     value: float
     below: bool
 
@@ -357,7 +357,7 @@ def draw_bars(axes: Axes, bars: Bars) -> None:
         for at, text, off, to in ((bar.start, bar.left, -3, "right"), (bar.end, bar.right, 3, "left")):
             style.text_off(axes, text, (at, place), (off, 0), va="center", ha=to, fontsize=6.2, zorder=5,
                          bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})  # fmt: skip
-        style.text_off(axes, bar.said, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center")
+        style.text_off(axes, bar.label, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center")
         rooms.append([style.width(text, 6.2) + 6.0 if text else 0.0 for text in (bar.left, bar.right)])
     style.bars(axes, [short(clean(bar.name), _LONGEST) for bar in bars.rows])
     axes.axvline(bars.line, color="black", linewidth=1.2, zorder=4)

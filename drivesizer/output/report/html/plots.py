@@ -197,13 +197,13 @@ def _bars(bars: Bars) -> Data:
         if hatch:
             marker["pattern"] = {"shape": hatch, "bgcolor": face, "fgcolor": edge, "size": 6, "solidity": 0.2}
         ends = [(f"{bar.start:.4g} {label(bars.unit)} at {bar.left}, " if bar.left else "")
-                + (f"{bar.end:.4g} {label(bars.unit)} at {bar.right}" if bar.left else bar.said or bar.right)
+                + (f"{bar.end:.4g} {label(bars.unit)} at {bar.right}" if bar.left else bar.label or bar.right)
                 for bar in rows]  # fmt: skip
         data.append({
             "type": "bar", "orientation": "h", "base": numbers(bar.start for bar in rows),
             "x": numbers(bar.end - bar.start for bar in rows), "y": [names[bar.name] for bar in rows], "name": look,
             "showlegend": False, "marker": marker, "customdata": [plain(text.replace("-", "−")) for text in ends],
-            "text": [plain(bar.said or bar.right).replace(", ", "<br>") for bar in rows], "textposition": "outside",
+            "text": [plain(bar.label or bar.right).replace(", ", "<br>") for bar in rows], "textposition": "outside",
             "cliponaxis": False, "hovertemplate": "%{y}: %{customdata}<extra></extra>",
         })  # fmt: skip
     low, high = min(0.0, *(bar.start for bar in bars.rows)), max(0.0, *(bar.end for bar in bars.rows))
