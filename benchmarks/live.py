@@ -95,7 +95,7 @@ def engine(path: Path, runs: int) -> float:
     for n in range(runs + 1):
         path.write_text(text.replace("1.2 m/s", f"{1 + n / 50:.2f} m/s"), encoding="utf-8")
         start = time.process_time()
-        ranking(size_machine(load_any(path), top=10, brief=True, headline=True))
+        ranking(size_machine(load_any(path), top=10, detail="headline"))
         taken.append(time.process_time() - start)
     path.write_text(text, encoding="utf-8")
     return statistics.median(taken[1:])

@@ -15,7 +15,7 @@ from drivesizer.loads.recorded import ComputedLoad
 from drivesizer.machine.budgets import check_battery
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Reliability, verdict
-from drivesizer.results.drive_set import DriveSet, Requirement
+from drivesizer.results.drive_set import Detail, DriveSet, Requirement
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Explanation, SizingResult
 from drivesizer.search.columns.candidates import candidates
@@ -46,8 +46,7 @@ def size(
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     sampling: Sampling | None = None,
-    brief: bool = False,
-    headline: bool = False,
+    detail: Detail = "full",
     choices: int = 0,
     load: LoadCycle | None = None,
 ) -> SizingResult:
@@ -69,10 +68,9 @@ def size(
         Called with the drives that are examined and all there are, a chunk at a time.
     sampling
         How drives are sampled for their tolerances; as the spec says when not given.
-    brief
-        The drives alone: no alternatives, no checks by the other method, no changes that would let one pass.
-    headline
-        In brief, of all drives but the first their sums and checks alone, and no warnings.
+    detail
+        ``"drives"``: these alone, without alternatives, checks by the other method and changes that would let one pass;
+        ``"headline"``: of all but the first of these their sums and checks alone, and no warnings.
     choices
         How many drives that pass to give as well, about, to choose from by weights of several objectives.
     load
@@ -92,31 +90,30 @@ def size(
     """
     spec = spec if isinstance(spec, RobotSpec) else load_spec(spec)
     spec = spec if load is None else spec.alone(load=ComputedLoad.with_cycle(load, spec.load.motors), motion=None)
-    brief, catalog = brief or headline, load_parts(spec, catalog)
+    in_full, catalog = detail == "full", load_parts(spec, catalog)
     spec = spec.with_select(spec.select.ranked_by(objective))
     picked = shortlist(
         spec, catalog, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
-        misses=0 if brief else _MISSES, others=0 if brief else _ALTERNATIVES, brief=brief,
+        misses=_MISSES if in_full else 0, others=_ALTERNATIVES if in_full else 0, detail=detail,
     )  # fmt: skip
     problem, search, evaluation = picked.problem, picked.search, picked.search.evaluation
 
     def records(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
-        return tuple(picked.record(row, rank, in_brief=headline and rank > 1) for rank, row in enumerate(rows, first))
+        return tuple(picked.record(row, rank) for rank, row in enumerate(rows, first))
 
     def passing(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
         return tuple(
             picked.record(
                 row, rank,
-                in_brief=headline and rank > 1,
                 reliability=picked.reliability.get(row),
-                **({} if brief else {"beside": other_checks(problem, drive_parts(evaluation, row))}),
+                **({"beside": other_checks(problem, drive_parts(evaluation, row))} if in_full else {}),
             )
             for rank, row in enumerate(rows, first)
         )  # fmt: skip
 
     sets = passing(picked.best, 1)
     unsure = passing(picked.unsure, len(sets) + 1)
-    rejected, in_vain = [*picked.short, *picked.rejected][: None if sets else top], not (brief or search.passing)
+    rejected, in_vain = [*picked.short, *picked.rejected][: None if sets else top], in_full and not search.passing
     row = next(iter((*picked.best, *picked.unsure, *picked.short)), 0)
 
     def going_on() -> None:
@@ -136,10 +133,12 @@ def size(
         alternatives=records(picked.others, 2),
         relaxations=relaxations(problem, going_on) if in_vain else (),
         tried=movable_names(problem) if in_vain else (),
-        unrestricted=None if brief else _unrestricted(problem),
+        unrestricted=_unrestricted(problem) if in_full else None,
         counts=search.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),
-        warnings=() if headline else (*warnings(picked, sets), *catalog.replaced, *filter(None, prices_left)),
+        warnings=()
+        if detail == "headline"
+        else (*warnings(picked, sets), *catalog.replaced, *filter(None, prices_left)),
         pareto=pareto,
         uncertainty=picked.uncertainty,
         choices=picked.choices,

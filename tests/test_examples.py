@@ -44,7 +44,7 @@ def test_every_starter_finds_a_drive(name, tmp_path, catalog):
 def test_every_example_finds_a_drive(name, catalog):
     machine = load_any(ROOT / "examples" / name)
     if not machine.is_several:  # the page on machines sizes the one that is
-        assert size(machine.axes[0].spec, catalog=catalog, top=1, brief=True).sets
+        assert size(machine.axes[0].spec, catalog=catalog, top=1, detail="drives").sets
 
 
 def arm_in_closed_form(s, seconds=20_000):

@@ -151,7 +151,8 @@ def test_sinkage_gives_the_coefficient_by_equation_4(example_text, catalog, resu
 def test_a_slope_adds_its_share(example_text, catalog, result):
     text = example_text.replace("slope: 0 deg", "slope: 3 deg")
     other = {
-        r.name: r for r in size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog, brief=True).requirements
+        r.name: r
+        for r in size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog, detail="drives").requirements
     }
     force = 45 * 9.80665 * (0.02 * math.cos(math.radians(3)) + math.sin(math.radians(3)))
     assert other["nominal_force"].value == pytest.approx(force)

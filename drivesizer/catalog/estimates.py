@@ -457,7 +457,7 @@ def _scaled(estimates: Estimates, share: NDArray[np.float64]) -> Estimates:
 
 _BEYOND = np.log(2.0)  # a term may lie this far outside the parts that the law was fitted to
 _STRANGER = 2.0  # times the band, in logarithms, of a maker or construction not seen: assumed where too few have it
-_OF_SIZE = "rotor_inertia"  # as mass times diameter squared: of two motors of one mass the wider one has more
+_REFUTABLE = {figure for head, (figure, *_) in ROWS if head == "refutable"}
 _LAST = 1e3  # added to widths, in logarithms, of laws without peers of a part's construction
 
 
@@ -568,9 +568,9 @@ def _estimate(parts: _Parts, figure: str, laws: list[tuple[int, Fit]]) -> Estima
 
 
 def _refuted(parts: _Parts, law: Fit, term: _Term, others: list[tuple[int, Fit, _Term]]) -> NDArray[np.bool_]:
-    """Parts whose inertia by a law with a printed figure more is outside a law's band: peers of one mass are others."""
+    """Parts whose figure by a law with a printed term more is outside a law's band: its peers are other parts."""
     refuted = np.zeros(len(parts.table), bool)
-    if law.law.figure != _OF_SIZE:
+    if f"{law.law.section} {law.law.figure}" not in _REFUTABLE:
         return refuted
     for _, fit, other in others:
         if set(fit.law.terms) > set(law.law.terms):

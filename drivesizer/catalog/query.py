@@ -11,13 +11,12 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, Source, Table, columns_of, load, path_of, shipped
-from drivesizer.catalog.laws import Finding
 from drivesizer.catalog.parts import Column, printed
 from drivesizer.catalog.prices import currencies, is_list
 from drivesizer.catalog.tables import CONFIDENCE, OTHER_NAMES, spelling
@@ -25,6 +24,9 @@ from drivesizer.catalog.tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.yaml_source import shipped_data
 from drivesizer.units import KINDS, from_si, scale, to_si
+
+if TYPE_CHECKING:
+    from drivesizer.catalog.laws import Finding
 
 # -- Conditions on columns as one types them: ``--voltage '24 V'``, ``max_speed>=8000 rpm``.
 

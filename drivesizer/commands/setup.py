@@ -201,7 +201,7 @@ def _with_best_drive(robot: Any) -> tuple[Any, Any]:
     from drivesizer.sizing import size as sized
 
     with common.working("sizing the drive"):
-        sizing = sized(robot, top=1, brief=True)
+        sizing = sized(robot, top=1, detail="drives")
     return sizing.spec, sizing.reported
 
 

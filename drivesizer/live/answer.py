@@ -21,6 +21,7 @@ from drivesizer.output.document import records as doc
 from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.words import meeting, whole_name
 from drivesizer.results.check import Check, gravest, tightest, worst
+from drivesizer.results.drive_set import Detail
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import mass_text, objective_figure
 from drivesizer.search.shortlist import load_parts
@@ -50,7 +51,7 @@ def text_of(memory: EngineMemory, request: Piece) -> str:
 
 
 def whole(
-    memory: EngineMemory, text: str, *, top: int = TOP, front: bool = False, brief: bool = False
+    memory: EngineMemory, text: str, *, top: int = TOP, front: bool = False, detail: Detail = "full"
 ) -> MachineSizing:
     """The sizing of a text, made once; of a machine of one axis also with what can be chosen by weights."""
 
@@ -63,11 +64,11 @@ def whole(
         ):
             objectives = FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
         return size_machine(
-            machine, top=top, pareto=objectives, choices=_CHOICES if has_choices else 0, brief=brief, headline=brief,
+            machine, top=top, pareto=objectives, choices=_CHOICES if has_choices else 0, detail=detail,
             progress=memory.go_on,
         )  # fmt: skip
 
-    return memory.keep(json.dumps([top, front, brief, text]), sized)
+    return memory.keep(json.dumps([top, front, detail, text]), sized)
 
 
 def faults(error: InputError, name: str) -> list[Piece]:
@@ -104,7 +105,7 @@ def answer(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
         if free := [[field_name(path), figure] for path, figure in open_figures(source.data) if FREE in figure]:
             yield {"kind": "free", "figures": free}
             return
-        yield {"kind": "ranking", **ranking(whole(memory, text, brief=True))}
+        yield {"kind": "ranking", **ranking(whole(memory, text, detail="headline"))}
         memory.rest(_PAUSE)
         result = whole(memory, text, front=True)
     except InputError as error:
@@ -216,7 +217,7 @@ def _best(memory: EngineMemory, text: str) -> Piece:
     from drivesizer.output.document.candidates import short_name
 
     try:
-        result = whole(memory, text, top=1, brief=True)
+        result = whole(memory, text, top=1, detail="headline")
     except StoppedError:
         raise
     except DrivesizerError as error:

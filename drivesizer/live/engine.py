@@ -193,4 +193,4 @@ def _open(memory: EngineMemory, spec: str | None, first: bool) -> None:
     restrict_reading(named, [shipped_folder("catalogs"), Path(__file__).resolve().parents[1] / "catalog"])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
         if spec is not None and first:
-            answer.whole(memory, spec, brief=True)
+            answer.whole(memory, spec, detail="headline")

@@ -264,10 +264,14 @@ def accepted(spec: RobotSpec) -> Alike:
     return 1.0 if spec.accepts_all else spec.supply.regeneration
 
 
+def loaded_voltage(pack: Pack, power: Alike, emf: Any) -> Alike:
+    """Voltage at the terminals while power is drawn, or regenerated below 0 [V]; unknown where no current gives it."""
+    return laws.terminal_voltage(laws.current_of_power(power, emf, pack.resistance), emf, pack.resistance)
+
+
 def raised_voltage(pack: Pack, back: Alike, emf: Any) -> Alike:
     """Voltage at the terminals while power is regenerated [V]: E + R I; E where none does, whatever the resistance."""
-    raised = laws.terminal_voltage(-_returned_current(pack, back, emf), emf, pack.resistance)
-    return np.where(np.asarray(back) == 0.0, emf, raised)[()]
+    return np.where(np.asarray(back) == 0.0, emf, loaded_voltage(pack, -np.asarray(back), emf))[()]
 
 
 def _returned_current(pack: Pack, back: Alike, emf: Alike) -> Alike:
@@ -314,10 +318,8 @@ def load_of(spec: RobotSpec, pack: Pack, mean: Alike, peak: Alike, speed: Alike,
     depth = np.where(np.isnan(required), pack.available, required / full)
     charge = pack.start - np.minimum(depth, pack.available)
     emf = pack.emf(charge)
-    lowest = laws.terminal_voltage(laws.current_of_power(peak, emf, pack.resistance), emf, pack.resistance)
-    return Load(
-        mean, peak, nan, nan, speed, full, required, charge, lowest, longest=longest_run_time(pack, mean / strings)
-    )
+    lowest, longest = loaded_voltage(pack, peak, emf), longest_run_time(pack, mean / strings)
+    return Load(mean, peak, nan, nan, speed, full, required, charge, lowest, longest=longest)
 
 
 def battery_checks(spec: RobotSpec, pack: Pack, load: Load) -> tuple[Check, ...]:
@@ -519,7 +521,7 @@ def _battery_load(spec: RobotSpec, pack: Pack, others: Sequence[Consumption], dr
         emf = pack.emf(load.charge)
         current = laws.current_of_power(power, emf, R)
         emf = float(np.minimum(*laws.polarised_voltage(drive.duration, current, emf, 0.0, *pair)).min())
-        load = load._replace(lowest=float(laws.terminal_voltage(laws.current_of_power(peak, emf, R), emf, R)))
+        load = load._replace(lowest=float(loaded_voltage(pack, peak, emf)))
         current, start = laws.current_of_power(off, raised, R), raised
         for rested in (True, False):
             ends = laws.polarised_voltage(drive.duration, current, start, 0.0, *pair, rested=rested)
@@ -532,14 +534,14 @@ def _battery_load(spec: RobotSpec, pack: Pack, others: Sequence[Consumption], dr
 
 
 def energy_budget(
-    bus: Regenerated, axes: Sequence[AxisOnBus], catalog: Catalog, *, brief: bool = False
+    bus: Regenerated, axes: Sequence[AxisOnBus], catalog: Catalog, *, figures: bool = True
 ) -> EnergyBudget:
-    """Consumers, autonomy and checks of a machine in one of its load cases; in brief what has no limit is left out."""
+    """Consumers, autonomy and checks of a machine in a load case, with what has no limit where that is wanted."""
     spec, drive = bus.spec, bus.power
     assert spec.battery is not None
     pack, others = pack_of(spec.battery, catalog), _equipment(spec)
     load, power = _battery_load(spec, pack, others, drive)
-    checks, (lines, assumed) = battery_checks(spec, pack, load), ([], []) if brief else _drawing(bus, axes)
+    checks, (lines, assumed) = battery_checks(spec, pack, load), _drawing(bus, axes) if figures else ([], [])
     return EnergyBudget(
         battery=pack.name,
         start=pack.start,
@@ -555,8 +557,8 @@ def energy_budget(
         required=load.required,
         status=verdict(checks),
         checks=checks,
-        figures=() if brief else _figures(spec, pack, load, drive, power),
-        assumptions=() if brief else _assumptions(spec, pack, assumed),
+        figures=_figures(spec, pack, load, drive, power) if figures else (),
+        assumptions=_assumptions(spec, pack, assumed) if figures else (),
     )
 
 

@@ -313,47 +313,41 @@ def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
         mass_of(spec.battery, catalog)
 
 
-def machine_requirements(spec: RobotSpec, *, brief: bool = False) -> MachineBudget | None:
-    """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without.
-
-    In brief without figures that have no limit.
-    """
+def machine_requirements(spec: RobotSpec, *, figures: bool = True) -> MachineBudget | None:
+    """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without."""
     if spec.platform is None and spec.requirements is None:
         return None
     from drivesizer.machine.platform_budget import worst_case_budget
 
-    return MachineBudget(*worst_case_budget(spec, brief=brief))
+    return MachineBudget(*worst_case_budget(spec, figures=figures))
 
 
 def machine_budget(
-    problem: Problem, drive: DriveParts, machine: MachineBudget | None = None, *, brief: bool = False
+    problem: Problem, drive: DriveParts, machine: MachineBudget | None = None, *, figures: bool = True
 ) -> MachineBudget:
-    """The machine with a drive in it, against its budgets: with what is required of it whatever drives it.
-
-    In brief without figures that have no limit.
-    """
+    """The machine with a drive in it, against its budgets: with what is required of it whatever drives it."""
     spec, catalog = problem.spec, problem.catalog
-    checks, figures, masses = list[Check](), list[Figure](), tuple[MassRow, ...]()
+    checks, own, masses = list[Check](), list[Figure](), tuple[MassRow, ...]()
     if spec.budget and spec.budget.weighs:
         load, mass = problem.machine.load, mass_budget(spec.budget, [(problem, drive)], spec.battery, catalog)
         checks += mass.checks(load.mass if isinstance(load, WheeledVehicle) else None)
-        figures += mass.figures()
+        own += mass.figures()
         masses = mass.rows
     if machine:
         checks += machine.checks
-        figures += machine.figures
+        own += machine.figures
     fed = spec.battery or problem.machine.limits_the_bus
-    feeds = on_its_supply(problem, drive, brief=brief) if fed else MachineBudget()
+    feeds = on_its_supply(problem, drive, figures=figures) if fed else MachineBudget()
     checks += feeds.checks
     if spec.supply.stalled and not spec.on_common_bus:
         checks.append(stall_check(spec.supply, [(spec, drive)]))
     if spec.budget and spec.budget.price is not None:
         checks.append(price_check(spec.budget.price, [(problem, drive)], spec.supply, feeds.braking, catalog))
-    return MachineBudget(tuple(checks), tuple(figures), masses, feeds.energy, feeds.braking)
+    return MachineBudget(tuple(checks), tuple(own), masses, feeds.energy, feeds.braking)
 
 
 def feeds_of(
-    spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus], *, brief: bool = False
+    spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus], *, figures: bool = True
 ) -> MachineBudget:  # fmt: skip
     """Battery, brake resistor and power supply of a machine, of one axis or of several, in its load cases."""
     if spec.battery is None:
@@ -364,17 +358,17 @@ def feeds_of(
         on_battery = spec.supply.kind == "battery"
         braking = None if on_battery else bus_budget(spec, catalog, [case.on_bus for case in cases], withstood)
         return MachineBudget(braking=braking, checks=braking.checks if braking else ())
-    energies = [(case.on_bus.case, energy_budget(case.on_bus, case.axes, catalog, brief=brief)) for case in cases]
+    energies = [(case.on_bus.case, energy_budget(case.on_bus, case.axes, catalog, figures=figures)) for case in cases]
     least = min((energy for _, energy in energies), key=lambda energy: (not isnan(energy.autonomy), energy.autonomy))
     return MachineBudget(energy=least, checks=worst_of_cases([(name, energy.checks) for name, energy in energies]))
 
 
-def on_its_supply(problem: Problem, drive: DriveParts, *, brief: bool = False) -> MachineBudget:
+def on_its_supply(problem: Problem, drive: DriveParts, *, figures: bool = True) -> MachineBudget:
     """Supply, battery and brake resistor of a machine of one axis with a drive."""
     axis = AxisPower("", problem, drive)
     cases = [(problem.name_of(numbers), problem.cases[numbers[0]].spec) for numbers in problem.machine_cases]
     buses = [common_bus(name, spec, [axis], synchronised=True, cycle_time=None) for name, spec in cases]
-    return feeds_of(problem.machine, problem.catalog, buses, brief=brief)
+    return feeds_of(problem.machine, problem.catalog, buses, figures=figures)
 
 
 def stall_current(spec: RobotSpec, drive: DriveParts) -> float:

@@ -16,7 +16,7 @@ from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import lost_in_gearhead
-from drivesizer.physics.figures import Array, Mask, Whole
+from drivesizer.physics.figures import Array, Mask, Whole, bisected
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
@@ -122,10 +122,7 @@ def _fastest(
     known = [number for number, check in enumerate(first) if (check.passed | check.failed)[turning].any()]
     stuck, high = shortage(low).any(axis=(0, 1)), np.full_like(low, _FAST)
     free: Mask = np.logical_not(shortage(high).any(axis=(0, 1)))
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2.0
-        over = shortage(middle).any(axis=(0, 1))
-        low, high = np.where(over, low, middle), np.where(over, middle, high)
+    low, high = bisected(low, high, lambda v: shortage(v).any(axis=(0, 1)), _HALVINGS)
     worst = shortage(np.where(stuck, _SLOW, high)).max(axis=1).argmax(axis=0)
     titles = [
         "" if never else CHECKS["physics"][first[known[n]].name].title for n, never in zip(worst, free, strict=True)
@@ -234,7 +231,7 @@ def _noted(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
     return tuple(c.at((), "budget", cases=(case,)) for c in columns)
 
 
-def worst_case_budget(spec: RobotSpec, *, brief: bool = False) -> tuple[tuple[Check, ...], tuple[Figure, ...]]:
+def worst_case_budget(spec: RobotSpec, *, figures: bool = True) -> tuple[tuple[Check, ...], tuple[Figure, ...]]:
     """Requirements of a machine, and room, footing and grip of its platform: limits, and figures that have none."""
     checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
     if spec.platform is None:
@@ -249,7 +246,7 @@ def worst_case_budget(spec: RobotSpec, *, brief: bool = False) -> tuple[tuple[Ch
         conditions = case.environment.gravity, spec.margins.torque, trajectory, gains
         floors.append((name, PlatformOnFloor(case.platform, case.load, dynamics_of(case), *conditions)))
     checks += worst_of_cases([(name, platform_checks(s)) for name, s in floors])
-    return checks, () if brief else tuple(platform_figures(floors[0][1]))
+    return checks, tuple(platform_figures(floors[0][1])) if figures else ()
 
 
 def platform_checks(s: PlatformOnFloor) -> tuple[Check, ...]:

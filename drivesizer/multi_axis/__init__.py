@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from drivesizer.catalog import Catalog
+from drivesizer.results.drive_set import Detail
 from drivesizer.results.machine import MachineSizing, of_one_axis
 from drivesizer.search.passing import Progress
 from drivesizer.search.shortlist import load_parts
@@ -31,8 +32,7 @@ def size_machine(
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     sampling: Callable[[RobotSpec], Sampling | None] = sampling_of,
-    brief: bool = False,
-    headline: bool = False,
+    detail: Detail = "full",
     choices: int = 0,
     parts: Callable[[RobotSpec], Catalog] = load_parts,
     torques: Callable[[RobotSection, str, float], JointTorques] | None = None,
@@ -47,8 +47,8 @@ def size_machine(
         As of ``size``, for every axis.
     sampling
         How drives of an axis are sampled for their tolerances.
-    brief, headline, choices
-        As of ``size``; the latter two of a machine of one axis.
+    detail, choices
+        As of ``size``; of several axes a headline is their drives, without choices.
     parts, torques
         Give the catalogues of an axis, and the torques of a robot's joints: several machines may share them.
 
@@ -66,12 +66,13 @@ def size_machine(
         (axis,) = machine.axes
         return of_one_axis(size(
             axis.spec, catalog=parts(axis.spec), top=top, objective=objective, pareto=pareto, progress=progress,
-            sampling=sampling(axis.spec), brief=brief, headline=headline, choices=choices,
+            sampling=sampling(axis.spec), detail=detail, choices=choices,
         ))  # fmt: skip
     from drivesizer.joints.mass_columns import joint_torques  # what one axis need not load
     from drivesizer.multi_axis.several import Options, sized
 
-    return sized(machine, Options(top, objective, pareto, progress, sampling, brief, parts, torques or joint_torques))
+    detail = "drives" if detail == "headline" else detail
+    return sized(machine, Options(top, objective, pareto, progress, sampling, detail, parts, torques or joint_torques))
 
 
 def alone(machine: MachineSpec, axis: str) -> MachineSpec:

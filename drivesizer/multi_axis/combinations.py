@@ -291,7 +291,7 @@ def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
     if not len(loaded.catalog.motor_gearhead.left):
         return {}
     top, objective = kinds * max(1, len(loaded.spec.belt_ratios)), str(loaded.spec.select.objective)
-    short = shortlist(loaded.spec, loaded.catalog, top, misses=0, sampling=loaded.sampling, brief=True)
+    short = shortlist(loaded.spec, loaded.catalog, top, misses=0, sampling=loaded.sampling, detail="drives")
     rows: dict[Kind, _Row] = {}
     for row in short.best:
         drive = drive_parts(short.search.evaluation, row)

@@ -19,7 +19,7 @@ from drivesizer.machine.common_supply import budget_checks, machine_power, toler
 from drivesizer.multi_axis import combinations
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, Loaded, Masses, OfferedKinds
 from drivesizer.results.check import GRAVEST
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import Detail, DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, objective_sum
 from drivesizer.results.sizing import SizingResult, unknown_parts
 from drivesizer.search.passing import Progress
@@ -116,7 +116,7 @@ class Options(NamedTuple):
     pareto: tuple[str, ...]
     progress: Progress | None
     sampling: SamplingOf
-    brief: bool
+    detail: Detail
     parts: PartsOf
     torques: TorquesOf
 
@@ -173,7 +173,7 @@ class AxisSizings:
             front = tuple(dict.fromkeys((*front, objective, "mass")))
         return size(
             spec, catalog=self._parts(spec), top=self.how.top, objective=self.ranking, pareto=front,
-            progress=self.how.progress, sampling=self.how.sampling(spec), brief=self.how.brief,
+            progress=self.how.progress, sampling=self.how.sampling(spec), detail=self.how.detail,
         )  # fmt: skip
 
     def _with_its_own(self, axis: str, masses: Masses) -> SizingResult:
@@ -261,7 +261,7 @@ class AxisSizings:
 
     def _sized(self, spec: RobotSpec, top: int, objective: Ranking | None) -> SizingResult:
         return size(
-            spec, catalog=self._parts(spec), top=top, objective=objective, progress=self.how.progress, brief=True
+            spec, catalog=self._parts(spec), top=top, objective=objective, progress=self.how.progress, detail="drives"
         )
 
     def _parts(self, spec: RobotSpec) -> Catalog:
@@ -383,7 +383,7 @@ def _once(sizings: AxisSizings) -> MachineSizing:
 
 def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     """The spec of one axis with the drives that ride on it."""
-    how = Options(5, None, (), None, sampling_of, False, load_parts, joint_torques)
+    how = Options(5, None, (), None, sampling_of, "full", load_parts, joint_torques)
     alone = machine.robot is None and not machine.axis(axis).carries
     rides = any(axis in machine.carried(other.name) for other in machine.axes)
     if alone and not rides and machine.few_kinds is None:

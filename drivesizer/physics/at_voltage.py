@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.physics.figures import Alike, Array, Figure
+from drivesizer.physics.figures import Alike, Array, Figure, Mask, bisected
 
 _INSTANT = 1e-6  # of the mechanical time constant: an electrical one that is as good as none
 _HALVINGS = 60
@@ -135,12 +135,12 @@ def _two_poles(damping: Array, product: Array, share: float) -> Array:
     swings = np.abs(root.imag) > 0.0
     low = np.zeros(np.shape(damping))
     high = np.where(swings, 2.0 * np.pi / np.where(swings, np.abs(root.imag), 1.0), -_SETTLED / slow.real)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2.0
-        left = ((fast * np.exp(slow * middle) - slow * np.exp(fast * middle)) / (fast - slow)).real
-        reached = 1.0 - left >= share
-        low, high = np.where(reached, low, middle), np.where(reached, middle, high)
-    return np.asarray(high + 0.0 * damping)
+
+    def reached(t: Array) -> Mask:
+        left = ((fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (fast - slow)).real
+        return np.asarray(1.0 - left >= share)
+
+    return np.asarray(bisected(low, high, reached, _HALVINGS)[1] + 0.0 * damping)
 
 
 def _ramp(inertia: Figure, torque: Figure, viscous: Figure, speed: Figure) -> Array:

@@ -180,6 +180,35 @@ def _elementwise(make: Callable[..., Any], *records: Any) -> Any:
     return first._make(parts) if hasattr(first, "_make") else type(first)(parts)
 
 
+def bisected(low: Array, high: Array, beyond: Callable[[Array], Any], times: int) -> tuple[Array, Array]:
+    """Ends of columns around the values from which on something holds, after so many halvings.
+
+    Parameters
+    ----------
+    low, high
+        Ends between which it begins to hold.
+    beyond
+        Whether it holds at values.
+    times
+        How often the ends are halved.
+
+    Returns
+    -------
+    low, high
+        At the high end it holds.
+
+    Examples
+    --------
+    >>> bisected(np.array([0.0, 4.0]), np.array([8.0, 8.0]), lambda x: x * x >= 25.0, 3)
+    (array([4. , 4.5]), array([5., 5.]))
+    """
+    for _ in range(times):
+        middle = (low + high) / 2.0
+        over = beyond(middle)
+        low, high = np.where(over, low, middle), np.where(over, middle, high)
+    return low, high
+
+
 def product(rows: Array, columns: Array) -> Array:
     """A matrix product of few figures each, ``rows @ columns``.
 

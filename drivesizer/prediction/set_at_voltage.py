@@ -43,9 +43,9 @@ from drivesizer.physics.drive_train import (
     motor_and_gears,
     usual_idle,
 )
-from drivesizer.physics.figures import Alike, Array
+from drivesizer.physics.figures import Alike, Array, Mask, bisected
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
-from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
+from drivesizer.physics.thermal import TwoBodies, resistance_at, steady_winding_temperature, two_bodies
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import EstimatedFigure
 from drivesizer.results.prediction import Conditions
@@ -271,14 +271,13 @@ def in_the_long_run(heating: Heating) -> tuple[Array, Array]:
     """Temperatures of winding and housing in the long run [K]; infinite where the winding runs away."""
     body, ambient = heating.bodies, heating.ambient
     low, high = (np.full(np.shape(body.R_25), x) for x in (ambient, _RUNAWAY))
-    loss = np.zeros_like(low)
-    for _ in range(_HALVINGS):  # a fixed point, for the losses of a voltage fall with temperature
-        winding = (low + high) / 2.0
-        current, loss = heating.sources(winding)
-        copper = resistance_at(body.R_25, winding) * current**2
-        warmer = ambient + (body.R_th1 + body.R_th2) * copper + body.R_th2 * loss > winding
-        low, high = np.where(warmer, winding, low), np.where(warmer, high, winding)
-    housing = body.housing(ambient, high, loss)
+
+    def cooler(winding: Array) -> Mask:
+        warmth = steady_winding_temperature(ambient, body.R_25, body.R_th1, body.R_th2, *heating.sources(winding))
+        return np.logical_not(warmth > winding)
+
+    _, high = bisected(low, high, cooler, _HALVINGS)  # a fixed point, for losses of a voltage fall with temperature
+    housing = body.housing(ambient, high, heating.sources(high)[1])
     return np.where(high < _RUNAWAY, high, np.inf), np.asarray(np.where(high < _RUNAWAY, housing, np.inf))
 
 
@@ -302,12 +301,8 @@ def time_to_limit(heating: Heating, start: State, limit: Alike) -> Array:
             break
         span = np.maximum(span, _GROWTH * time)
     w, h, begun, span = before
-    low, high = np.zeros_like(span), span
-    for _ in range(_FINE):
-        middle = (low + high) / 2.0
-        there = _step(heating, (w, h), middle)[0] >= limit
-        low, high = np.where(there, low, middle), np.where(there, middle, high)
-    return np.where(at_once, 0.0, np.where(reached, begun + high, np.inf))
+    _, last = bisected(np.zeros_like(span), span, lambda t: _step(heating, (w, h), t)[0] >= limit, _FINE)
+    return np.where(at_once, 0.0, np.where(reached, begun + last, np.inf))
 
 
 def _step(heating: Heating, state: tuple[Array, Array], span: Alike) -> tuple[Array, Array]:

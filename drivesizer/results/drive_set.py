@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, isnan, nan
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.parts import NO_PULL_OUTS, BeltDrive, PullOuts
@@ -406,6 +406,10 @@ class DriveParts:
         if not self.actuator:
             return {role: part for role, part in turning.items() if part.part != DIRECT} | belt | controlling
         return {"actuator": self.actuator} | belt | controlling
+
+
+Detail = Literal["full", "drives", "headline", "checks"]
+"""Of a result all; its drives alone; of these but the first sums and checks; of each its sums and tightest check."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -28,7 +28,7 @@ from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, sentence_case, verdict
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.check_kinds import BATTERY_LASTING
-from drivesizer.results.drive_set import DriveParts, DriveSet
+from drivesizer.results.drive_set import Detail, DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
@@ -191,8 +191,8 @@ _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long
 class InMachine:
     """A machine against its budgets with drives in it, of each drive once.
 
-    In brief without figures that have no limit, and without counts of the budgets that each drive fails on. ``memo``:
-    what was computed of the same machine before, whatever its drives are ranked by.
+    For checks alone without figures that have no limit, and without counts of the budgets that each drive fails on.
+    ``memo``: what was computed of the same machine before, whatever its drives are ranked by.
     """
 
     def __init__(
@@ -200,27 +200,25 @@ class InMachine:
         problem: Problem,
         aside: frozenset[str] = frozenset(),
         *,
-        brief: bool = False,
+        detail: Detail = "full",
         memo: dict[Hashable, Any] | None = None,
     ) -> None:
-        self.problem, self.aside, self.brief = problem, aside, brief
+        self.problem, self.aside, self.has_counts = problem, aside, detail != "checks"
         self._memo: dict[Hashable, Any] = {} if memo is None else memo
         if "requirements" not in self._memo:
-            self._memo["requirements"] = machine_requirements(problem.machine, brief=brief)
+            self._memo["requirements"] = machine_requirements(problem.machine, figures=self.has_counts)
         self.requirements: MachineBudget | None = self._memo["requirements"]
-        self._budgets: dict[tuple[int, int, float], MachineBudget] = {}
 
     def budget(self, whole: Evaluation, row: int) -> MachineBudget:
         """The budgets of the machine with the drive in a row of an evaluation."""
         sets = whole.candidates
-        key = int(sets.motor[row]), int(sets.gearhead[row]), float(sets.belt[row])
-        if key not in self._budgets:
-            drive = *key, *(int(part[row]) for part in (whole.controller, whole.encoder, whole.brake))
-            if drive not in self._memo:
-                parts = drive_parts(whole, row)
-                self._memo[drive] = machine_budget(self.problem, parts, self.requirements, brief=self.brief)
-            self._budgets[key] = self._memo[drive]
-        return self._budgets[key]
+        columns = sets.motor, sets.gearhead, sets.belt, whole.controller, whole.encoder, whole.brake
+        drive = tuple(column[row].item() for column in columns)
+        if drive not in self._memo:
+            parts, figures = drive_parts(whole, row), self.has_counts
+            self._memo[drive] = machine_budget(self.problem, parts, self.requirements, figures=figures)
+        budget: MachineBudget = self._memo[drive]
+        return budget
 
     def rejects(self, checks: Iterable[Check]) -> bool:
         """Whether a machine's checks reject its drive: one fails, or is unknown where the spec rejects that."""
@@ -240,7 +238,7 @@ class InMachine:
         return self._judge if limited else None
 
     def _judge(self, sets: Candidates, evaluated: Evaluated, number: int) -> BudgetFilter:
-        problem, machine, counted = self.problem, self.requirements, not self.brief
+        problem, machine, counted = self.problem, self.requirements, self.has_counts
 
         def known(failures: dict[str, Mask]) -> dict[str, Mask]:
             return {name: rows for name, rows in failures.items() if name not in self.aside}
@@ -293,21 +291,21 @@ def _pieces(rows: Whole, alone: int, first: int, most: int) -> Iterator[Whole]:
 
 def any_in_machine(problem: Problem) -> bool:
     """Whether any drive passes by itself and in its machine."""
-    return any_drive(problem, InMachine(problem, brief=True).judge)
+    return any_drive(problem, InMachine(problem, detail="checks").judge)
 
 
 def best_in_machine(problem: Problem, aside: frozenset[str] = frozenset()) -> DriveSet | None:
     """The best drive that passes the machine's budgets too; None where none does."""
-    result = search(problem, top=1, misses=None, judge=InMachine(problem, aside, brief=True).judge)
+    result = search(problem, top=1, misses=None, judge=InMachine(problem, aside, detail="checks").judge)
     return drive_set(result.evaluation, 0, 1) if result.passing else None
 
 
 def passes_budgets(problem: Problem, drive: DriveParts) -> bool:
     """Whether a drive passes the budgets of its machine, which need not have been computed."""
-    machine = InMachine(problem, brief=True)
+    machine = InMachine(problem, detail="checks")
     if machine.requirements and machine.rejects(machine.requirements.checks):
         return False
-    return not machine.rejects(machine_budget(problem, drive, machine.requirements, brief=True).checks)
+    return not machine.rejects(machine_budget(problem, drive, machine.requirements, figures=False).checks)
 
 
 def shortfall(short: Iterable[MachineBudget], better: int, *, any_passes: bool) -> list[str]:

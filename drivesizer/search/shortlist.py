@@ -19,7 +19,7 @@ from drivesizer.machine.budgets import check_battery, drive_mass, mass_without_d
 from drivesizer.machine.problem import problem
 from drivesizer.physics.figures import Mask
 from drivesizer.results.check import Reliability, Uncertainty
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import Detail, DriveSet
 from drivesizer.results.problem import (
     Problem,
     wants_screw,
@@ -152,7 +152,7 @@ class Shortlist:
     weighed: tuple[str, ...]  # how the machine's own mass was found
     others: list[int]  # the best of other motor families than the first one's, in order
     choices: Choices | None = None  # to choose from by weights
-    checks_alone: bool = False  # drives are given with their sums and checks, without what else is known of them
+    detail: Detail = "full"
 
     @property
     def short(self) -> list[int]:
@@ -167,13 +167,13 @@ class Shortlist:
         failed = evaluation.failed if rows else ()
         return (row for row in rows if failed[row])
 
-    def record(self, row: int, rank: int = 0, *, in_brief: bool = False, **known: Any) -> DriveSet:
+    def record(self, row: int, rank: int = 0, **known: Any) -> DriveSet:
         """A drive with the machine's budgets, unless it fails by itself; what else is known is as for ``drive_set``."""
         evaluation = self.search.evaluation
         if not evaluation.fails(row):
             known["budget"] = self.machine.budget(evaluation, row)
-        if in_brief or self.checks_alone:
-            return drive_in_brief(evaluation, row, rank, every_check=in_brief, **known)
+        if self.detail == "checks" or (self.detail == "headline" and rank > 1):
+            return drive_in_brief(evaluation, row, rank, every_check=self.detail == "headline", **known)
         return drive_set(evaluation, row, rank, **known)
 
 
@@ -186,10 +186,9 @@ def shortlist(
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     sampling: Sampling | None = None,
-    brief: bool = False,
+    detail: Detail = "full",
     others: int = 0,
     choices: int = 0,
-    checks_alone: bool = False,
     memo: dict[Hashable, Any] | None = None,
 ) -> Shortlist:
     """The best drives of a spec, and the closest rejected."""
@@ -205,22 +204,22 @@ def shortlist(
     problem = problem.ranked_by(spec.select.objective)
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine = InMachine(problem, brief=checks_alone, memo=memo)
+    machine = InMachine(problem, detail=detail, memo=memo)
     result = search(
         problem, top=max(top, pool), misses=misses, pareto=pareto, progress=progress, judge=machine.judge,
         others=0 if pool else others, margins=choices > 0,
     )  # fmt: skip
     evaluation, rows = result.evaluation, list(range(result.passing))
-    sampled = _sampled(result, rows[:pool], sampling, brief) if sampling and pool else None
+    sampled = _sampled(result, rows[:pool], sampling, detail) if sampling and pool else None
     best = machine.divided(evaluation, top, sampled.good if sampled else rows)
     if sampling and not sampled and best:
-        sampled = _sampled(result, best, sampling, brief)
+        sampled = _sampled(result, best, sampling, detail)
     unsure, alternatives = machine.divided(evaluation, top, sampled.bad) if sampled else [], list(result.others)
     reliability, uncertainty = dict[int, Reliability](), None
     if sampled is not None:
         from drivesizer.search.uncertainty import probabilities
 
-        finalists = {} if brief else {row: drive_parts(evaluation, row) for row in best[:FINALISTS]}
+        finalists = {row: drive_parts(evaluation, row) for row in best[:FINALISTS]} if detail == "full" else {}
         reliability = probabilities.reliabilities(sampled, [*best, *unsure], finalists)
         uncertainty = probabilities.uncertainty(sampled)
     if pool:  # the best of each other motor family among drives that reach the required probability
@@ -233,11 +232,11 @@ def shortlist(
         offered = by_weights.choices(problem, result, choices, machine)
     return Shortlist(
         problem=problem, search=result, machine=machine, best=best, top=top, unsure=unsure, reliability=reliability,
-        uncertainty=uncertainty, weighed=weighed, others=alternatives, choices=offered, checks_alone=checks_alone,
+        uncertainty=uncertainty, weighed=weighed, others=alternatives, choices=offered, detail=detail,
     )  # fmt: skip
 
 
-def _sampled(result: SearchResult, rows: Sequence[int], how: Sampling, brief: bool) -> SampledDrives:
+def _sampled(result: SearchResult, rows: Sequence[int], how: Sampling, detail: Detail) -> SampledDrives:
     """Some drives over samples, with their checks by physics whatever the method."""
     from drivesizer.search.uncertainty import probabilities  # where nothing is sampled it need not load
 
@@ -245,7 +244,7 @@ def _sampled(result: SearchResult, rows: Sequence[int], how: Sampling, brief: bo
     paper = problem.spec.method == "paper"
     physics_checks = {row: other_checks(problem, drive_parts(evaluation, row)) if paper else () for row in rows}
     subjects = {row: probabilities.subject(evaluation, row, physics_checks[row]) for row in rows}
-    return probabilities.sample_drives(problem, subjects, how, brief=brief)
+    return probabilities.sample_drives(problem, subjects, how, ends=detail == "full")
 
 
 def _refuse_unknown_choices(spec: RobotSpec, catalog: Catalog) -> None:

@@ -259,7 +259,7 @@ def best(
     """The best drives of a spec, and those of the Pareto front of some objectives."""
     ranked = catalog.once(("ranked by", repr(objective)), lambda: spec.select.ranked_by(objective), (spec.select,))
     spec = spec.with_select(ranked)
-    result = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, memo=alike, pareto=pareto)
+    result = shortlist(spec, catalog, top, misses=0, detail="checks", memo=alike, pareto=pareto)
     first = result.best or [*islice(chain(result.unsure, result.short, result.rejected), 1)]
     first = [*first, *(row for row in result.search.front if row not in first)] if result.best else first
     drives = tuple(
@@ -273,7 +273,7 @@ def _further(job: Job, problem: Problem | None, drive: DriveSet) -> Row:
     """Further figures of the machine with a drive in it, as far as the job wants some."""
     if problem is None or not (job.columns or job.merit):
         return []
-    energy = machine_budget(problem, drive, brief=True).energy if {"autonomy", "range"} & {*job.columns} else None
+    energy = machine_budget(problem, drive, figures=False).energy if {"autonomy", "range"} & {*job.columns} else None
     cells: Row = [_further_column(name).cell(FURTHER[name].of_drive(problem, drive, energy)) for name in job.columns]
     return [*cells, MERIT.cell(float(job.merit(drive)))] if job.merit else cells
 
@@ -473,7 +473,9 @@ def _rows(
         """Of variants with the same section they are computed once in a process."""
         return _torques(_By(robot, section), file, gravity)
 
-    sizing = size_machine(read_any(source), top=job.top, objective=objective, brief=True, parts=parts, torques=torques)
+    sizing = size_machine(
+        read_any(source), top=job.top, objective=objective, detail="drives", parts=parts, torques=torques
+    )
     if job.axis is None:
         return [_machine_row(job, head, sizing)]
     axis = sizing.axis(job.axis)

@@ -85,7 +85,7 @@ def case_of(number: int, folder: Path, *, whole: bool = False, alone: bool = Tru
     try:
         spec = spec_of(data, folder)
         parts = catalogue(*spec.select.catalogs)
-        found = sizing.size(spec, catalog=parts, top=DRIVES, brief=not alone)
+        found = sizing.size(spec, catalog=parts, top=DRIVES, detail="full" if alone else "drives")
     except InputError:
         return None
     some = (*found.sets, *found.misses)[:DRIVES]

@@ -127,7 +127,7 @@ def proposals(case: Case) -> Iterator[str]:
     if not case.found.sets:
         for change in relaxations(one):
             data = _changed(case.data, change)
-            found = size(spec_of(data, case.folder), catalog=catalogue(*spec.select.catalogs), top=1, brief=True)
+            found = size(spec_of(data, case.folder), catalog=catalogue(*spec.select.catalogs), top=1, detail="drives")
             said = [one.label if one.status == "pass" else f"{one.label}, {one.status}" for one in found.sets]
             if said != [change.set_label]:
                 yield f"{change.field} {change.now} -> {change.needed}: {change.set_label}; {said or 'none passes'}"

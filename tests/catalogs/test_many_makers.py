@@ -38,7 +38,7 @@ def sized(everything, starter):
     def of(name):
         with pytest.MonkeyPatch.context() as patch:  # of hundreds of drives a figure that is irrelevant here
             patch.setattr("drivesizer.search.set_record.overload_time", lambda *_: math.nan)
-            return size(starter(name, "all"), catalog=everything, top=120, brief=True)
+            return size(starter(name, "all"), catalog=everything, top=120, detail="drives")
 
     return of
 
@@ -83,7 +83,7 @@ def fits_together(s, catalog, listed):
 
 def test_what_lacks_figures_does_not_pass(starter):
     """Faulhaber gives no input speed of its gearheads, and of most no inertia: such drives are unknown."""
-    geared = [s for s in size(starter("fan", "faulhaber"), top=15, brief=True).sets if s.gearhead.kind != "direct"]
+    geared = [s for s in size(starter("fan", "faulhaber"), top=15, detail="drives").sets if s.gearhead.kind != "direct"]
     assert len(geared) > 5
     for s in geared:
         assert (s.motor.manufacturer, s.status) == ("Faulhaber", "unknown")

@@ -95,7 +95,7 @@ def test_a_trapezoid_of_thirds_takes_the_least_heat_and_a_parabola_less(folder):
     assert most == pytest.approx(16 / 13.5 * thirds, rel=1e-3)
     time = np.linspace(0.0, 3.0, 301)  # 4 rad in 3 s, as the table's own trapezoid
     parabola = LoadCycle.from_arrays(time, 8 / 9 * time * (3 - time), 0.02 * 8 / 9 * (3 - 2 * time), inertia=0.02)
-    sizings = (size(load_spec_of(text), load=load, brief=True).sets[0] for load in (parabola, None))
+    sizings = (size(load_spec_of(text), load=load, detail="drives").sets[0] for load in (parabola, None))
     least, own = (next(one.value for one in found.figures if one.name == "joule_heat") for found in sizings)
     assert own / least == pytest.approx(13.5 / 12, rel=1e-3)
 
@@ -137,7 +137,7 @@ def test_brute_force_finds_no_better_machine(tmp_path, number):
         if speed < float(least.split()[2]):
             continue
         spec = load_spec_of(task.filled(values))
-        for one in size(spec, top=1, brief=True).sets:
+        for one in size(spec, top=1, detail="drives").sets:
             mass, more = wheels * one.mass, (0.0, 0.0, -0.5 * speed, diameter / 1e3)[number % 4]
             brute = min(brute, wheels * one.price if goal == "price" else mass + more)
     assert (found.choice.goals[0] if found.choice else math.inf) == pytest.approx(brute, rel=1e-9)

@@ -29,8 +29,8 @@ def test_samples_of_a_motion_size_as_the_motion():
     jump = 1e-9
     time = [0, 1 - jump, 1, 2, 2 + jump, 3]
     torque = [0.14, 0.14, 0.1, 0.1, 0.06, 0.06]
-    found = size(spec, load=LoadCycle.from_arrays(time, [0, 2, 2, 2, 2, 0], torque, inertia=0.02), brief=True)
-    own = size(spec, brief=True)
+    found = size(spec, load=LoadCycle.from_arrays(time, [0, 2, 2, 2, 2, 0], torque, inertia=0.02), detail="drives")
+    own = size(spec, detail="drives")
     assert [one.label for one in found.sets] == [one.label for one in own.sets]
     for name in ("energy", "joule_heat"):
         one, other = ({f.name: f.value for f in result.sets[0].figures}[name] for result in (found, own))
@@ -50,7 +50,7 @@ def test_a_table_is_a_catalogue_and_catalogues_add_up():
     both = own + catalog.load(["maxon"])
     assert {"A1", "118752"} <= set(both.motors["part"].tolist())
     direct = load_spec({**SPEC, "select": {"motor": {"part": "A1"}}, "transmission": [{"kind": "direct"}]})
-    assert size(direct, catalog=both, brief=True).counts.considered == 1
+    assert size(direct, catalog=both, detail="drives").counts.considered == 1
 
 
 def test_a_result_is_printed_short_and_has_its_drives_as_rows():
@@ -63,7 +63,7 @@ def test_a_result_is_printed_short_and_has_its_drives_as_rows():
 
 
 def test_a_spec_may_be_its_fields_and_a_catalogue_is_printed_short():
-    assert str(size(SPEC, brief=True)) == str(size(load_spec(SPEC), brief=True))
+    assert str(size(SPEC, detail="drives")) == str(size(load_spec(SPEC), detail="drives"))
     assert repr(catalog.of(TABLE, name="own")) == "Catalog(own: 2 motors, 1 gearheads)"
 
 
@@ -85,7 +85,7 @@ def test_a_price_in_another_currency_is_not_one_in_euros():
     }  # fmt: skip
     rated = {**spec, "select": {**spec["select"], "rates": {"USD": "0.9 EUR"}}}
     rows = [size_variants(one, {"load.mass": ["1 kg", "1.5 kg"]}).rows()[0] for one in (spec, rated)]
-    drive = size(spec, brief=True).sets[0]
+    drive = size(spec, detail="drives").sets[0]
     assert drive.currency == "USD"
     assert [row["machine_price_EUR"] for row in rows] == [None, pytest.approx(0.9 * drive.price)]
 
@@ -98,7 +98,7 @@ def test_a_function_of_a_drive_is_made_least():
         SPEC, free={"motion.speed": ["2 rad/s", "20 rad/s"], "load.inertia": ["0.02 kg*m^2"]}, minimise=merit
     )
     every = [
-        size(load_spec({**SPEC, "motion": {**SPEC["motion"], "speed": speed}}), top=1000, brief=True).sets
+        size(load_spec({**SPEC, "motion": {**SPEC["motion"], "speed": speed}}), top=1000, detail="drives").sets
         for speed in ("2 rad/s", "20 rad/s")
     ]
     assert found.choice.goals[0] <= min(merit(one) for sets in every for one in sets[:10]) + 1e-9

@@ -248,7 +248,7 @@ def test_ratio_and_spring_of_a_series_elastic_hip(tmp_path, monkeypatch):
         ends = [
             np.stack([one[:-1], one[1:]], axis=1) for one in (speed + give * first, acceleration + give * second, load)
         ]
-        return size(spec, load=LoadCycle("hip", np.full(100, STRIDE / 100), *ends, 0.0).split(), brief=True)
+        return size(spec, load=LoadCycle("hip", np.full(100, STRIDE / 100), *ends, 0.0).split(), detail="drives")
 
     def end(good, bad):
         for _ in range(14):

@@ -120,10 +120,10 @@ def test_free_figures_are_said_and_the_best_machine_is_that_of_the_command(tmp_p
     filled = designed["fills"][0][1]
     best = load_spec(dict(YamlSource(filled, "best").data))
     masses = [
-        best.load.motors * size(best, top=1, brief=True).sets[0].mass,
+        best.load.motors * size(best, top=1, detail="drives").sets[0].mass,
         *(wheels * one.mass for wheels in (2, 4) for diameter in (120, 160, 200, 240)
           for one in size(load_spec(_data() | {"load": _data()["load"] | {
-              "driven_wheels": wheels, "wheel_diameter": f"{diameter} mm"}}), top=1, brief=True).sets),
+              "driven_wheels": wheels, "wheel_diameter": f"{diameter} mm"}}), top=1, detail="drives").sets),
     ]  # fmt: skip
     assert masses[0] == pytest.approx(min(masses[1:]))
     assert "free" not in filled and filled.startswith("name: AGV   # of the test\n")
@@ -147,7 +147,7 @@ def test_a_sweep_finds_where_the_best_drive_changes() -> None:
     points = pieces_of("sweep", SPEC, path=["load", "mass"], values=[*values, "9 V"])
     assert [point["value"] for point in points] == [*values, "9 V"]
     for point, value in zip(points[:4], values, strict=True):
-        result = size(load_spec({**_data(), "load": {**_data()["load"], "mass": value}}), top=1, brief=True)
+        result = size(load_spec({**_data(), "load": {**_data()["load"], "mass": value}}), top=1, detail="drives")
         assert point["label"] == (result.reported.label if result.reported else "")
         assert (point["status"] == "fail") == (not result.sets)
     assert points[0]["label"] != points[2]["label"] and points[3]["status"] == "fail"

@@ -276,7 +276,7 @@ def test_motions_without_speed_or_time(kind, tmp_path):
         f"{{speed: 3 {unit}, acceleration_time: 0 s, cruise_time: 2 s}}",
     ):
         one_line(kind, tmp_path, (old, f"motion: {motion}\n"))
-    held = size(starter(kind, tmp_path, (old, "motion: {profile: hold, time: 1 min}\n")), brief=True)
+    held = size(starter(kind, tmp_path, (old, "motion: {profile: hold, time: 1 min}\n")), detail="drives")
     assert held.sets and {one.status for one in held.sets} == {"pass"}
     for one in held.sets:
         assert all(np.isfinite(x.value) for x in one.figures if x.name in ("power", "energy", "winding_temperature"))

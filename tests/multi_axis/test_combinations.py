@@ -204,7 +204,7 @@ def tables(**budget: str) -> MachineSizing:
     supply = {"nominal": "24 V", "accepts": "all"}
     given = {"name": "tables", "supply": supply, "budget": budget, "motion": turn, "axes": axes}
     return size_machine(
-        load_machine({**given, "select": {"motor": {"family": ["DCX 22 L", "DCX 26 L"]}}}), top=1, brief=True
+        load_machine({**given, "select": {"motor": {"family": ["DCX 22 L", "DCX 26 L"]}}}), top=1, detail="drives"
     )
 
 

@@ -43,7 +43,7 @@ MACHINE: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def sizing() -> MachineSizing:
-    return size_machine(load_machine(MACHINE), top=1, brief=True)
+    return size_machine(load_machine(MACHINE), top=1, detail="drives")
 
 
 def written(figures: dict[str, Any], machine: dict[str, Any] = MACHINE) -> dict[str, Any]:

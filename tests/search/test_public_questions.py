@@ -102,7 +102,7 @@ def spec(text: str) -> RobotSpec:
 
 
 def first_of(text: str) -> DriveSet:
-    return size(spec(text), top=1, brief=True).sets[0]
+    return size(spec(text), top=1, detail="drives").sets[0]
 
 
 def test_each_question_has_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -130,7 +130,7 @@ def test_each_question_has_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_no_hopeless_drive_is_named_before_the_spec_is_changed() -> None:
     assert [
-        size(spec(text), brief=True).counts.feasible for text in (SPECS.WHEEL % 25, SPECS.JOINT, SPECS.ARM % 0.503)
+        size(spec(text), detail="drives").counts.feasible for text in (SPECS.WHEEL % 25, SPECS.JOINT, SPECS.ARM % 0.503)
     ] == [0, 0, 0]
 
 
@@ -140,7 +140,7 @@ def test_no_hopeless_drive_is_named_before_the_spec_is_changed() -> None:
 def test_what_passes_is_counted_apart_from_what_lacks_figures() -> None:
     """f1, f3: of those that fail nothing as many pass as are left without unknown ones, but for open ones."""
     text = SPECS.PLATFORM.replace("SLOPE", "0 deg")
-    every, known = (size(spec(text.replace("UNKNOWN", one)), brief=True).counts for one in ("allow", "reject"))
+    every, known = (size(spec(text.replace("UNKNOWN", one)), detail="drives").counts for one in ("allow", "reject"))
     assert 0 < every.passing < every.feasible
     assert every.passing == known.passing == known.feasible - known.open
     assert every.feasible == known.feasible + known.left_out
@@ -207,7 +207,9 @@ def test_another_makers_controllers_lose_no_drive() -> None:
 
 def test_unknown_prices_are_ordered_by_mass() -> None:
     """user_A_servo: 68 kg of gearheads came first, ranked by a price that nobody prints."""
-    found = size(spec(SPECS.SERVO.replace("MAKERS", "yaskawa, panasonic")), objective="price", top=4, brief=True).sets
+    found = size(
+        spec(SPECS.SERVO.replace("MAKERS", "yaskawa, panasonic")), objective="price", top=4, detail="drives"
+    ).sets
     assert [one.mass for one in found] == sorted(one.mass for one in found)
     assert all(one.motor.price != one.motor.price for one in found)
     assert ranked_by("price", found).startswith("ranked by price, of which none is known: by mass")
@@ -216,7 +218,7 @@ def test_unknown_prices_are_ordered_by_mass() -> None:
 def test_a_catalogue_of_low_voltage_loses_no_servo_at_the_mains() -> None:
     """user_C_ym: with maxon's controllers, none of which takes 325 V, there was no drive; its motors are for less."""
     alone, both = (
-        {one.motor.part: one for one in size(spec(SPECS.SERVO.replace("MAKERS", names)), top=300, brief=True).sets}
+        {one.motor.part: one for one in size(spec(SPECS.SERVO.replace("MAKERS", names)), top=300, detail="drives").sets}
         for names in ("yaskawa, panasonic", "yaskawa, panasonic, maxon")
     )
     assert alone and alone.keys() <= both.keys()

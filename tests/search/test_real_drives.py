@@ -29,7 +29,7 @@ def test_the_drive_that_the_robot_has_is_among_its_makers_first(name):
     spec, part, gearhead = read(name)
     (one,) = explain(spec, part, gearhead)
     assert one.status in ("pass", "open"), [(c.name, c.status) for c in one.own_checks if c.status != "pass"]
-    assert part in [drive.motor.part for drive in size(spec, top=10, brief=True).sets]
+    assert part in [drive.motor.part for drive in size(spec, top=10, detail="drives").sets]
 
 
 def test_lighter_drives_that_missing_figures_hold_back_are_named():

@@ -195,7 +195,7 @@ def test_where_only_the_machine_rejects_what_would_help_is_found_too(catalog, mo
     enough = moves["battery.capacity"].after
     for charge, passes in ((enough, True), (enough / 1.011, False)):
         text = CART.replace("capacity: 20 A*h", f"capacity: {charge / 3600!r} A*h")
-        found = size(read_spec(YamlSource(text, "cart.yaml")), catalog=catalog, top=1, brief=True)
+        found = size(read_spec(YamlSource(text, "cart.yaml")), catalog=catalog, top=1, detail="drives")
         assert bool(found.sets) == passes
     assert (moves["battery.capacity"].now, moves["battery.autonomy"].now) == ("20 A·h", "6 h")
 

@@ -43,7 +43,7 @@ def spec_of(mass="30 kg", slope="2 deg", speed="1.1 m/s", belts="[1.3]", objecti
 @pytest.fixture(scope="module")
 def many(catalog):
     """The first by mass."""
-    return size(spec_of(), catalog=catalog, top=300, brief=True)
+    return size(spec_of(), catalog=catalog, top=300, detail="drives")
 
 
 def by_hand(spec, catalog):
@@ -115,7 +115,7 @@ def by_hand(spec, catalog):
 )
 def test_every_pair_of_the_catalogue(spec, catalog):
     expected = by_hand(spec, catalog)
-    result = size(spec, catalog=catalog, top=50, brief=True)
+    result = size(spec, catalog=catalog, top=50, detail="drives")
     tally = Counter(name for fails in expected.values() for name, failed in fails.items() if failed)
     found = {k: v for k, v in result.counts.failed_by.items() if not k.startswith(("encoder", "controller"))}
     assert result.counts.considered == len(expected)
@@ -127,7 +127,9 @@ def test_every_pair_of_the_catalogue(spec, catalog):
 
 @pytest.mark.parametrize("objective", ["mass", "price", "power", "length", "margin"])
 def test_objectives_rank(objective, catalog, many):
-    result = many if objective == "mass" else size(spec_of(objective=objective), catalog=catalog, top=40, brief=True)
+    result = (
+        many if objective == "mass" else size(spec_of(objective=objective), catalog=catalog, top=40, detail="drives")
+    )
     rows = [(s.status != "pass", -len(s.objective_of), s.objective) for s in result.sets]
     if objective == "margin":
         rows = [(a, -1, -c) for a, _, c in rows]
@@ -137,7 +139,7 @@ def test_objectives_rank(objective, catalog, many):
 
 
 def test_price_and_mass_are_sums_of_the_datasheets(catalog):
-    best = size(spec_of(objective="price"), catalog=catalog, top=1, brief=True).sets[0]
+    best = size(spec_of(objective="price"), catalog=catalog, top=1, detail="drives").sets[0]
     assert best.objective == pytest.approx(best.motor.price + best.gearhead.price)
     assert best.mass == pytest.approx(together(best))
 
@@ -191,7 +193,7 @@ def test_rejecting_unknowns(tmp_path, catalog):
     keep = starter("hoist", tmp_path)
     reject = keep.model_copy(update={"select": keep.select.model_copy(update={"unknown": "reject"})})
     for spec in (keep, reject):
-        result = size(spec, catalog=catalog, top=50, brief=True)
+        result = size(spec, catalog=catalog, top=50, detail="drives")
         assert result.sets
         if spec is reject:
             assert all(s.status == "pass" for s in result.sets)

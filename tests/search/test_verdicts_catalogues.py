@@ -37,7 +37,7 @@ def read(text):
 
 
 def best(text):
-    return size(read(text), top=1, brief=True).sets
+    return size(read(text), top=1, detail="drives").sets
 
 
 def check(drive, name):
@@ -122,7 +122,7 @@ def test_what_is_proposed_lets_a_drive_pass():
     for change in found.relaxations:
         section, name = change.field.split(".")
         changed = TABLE | {section: TABLE[section] | {name: change.needed}}
-        (one, *_) = size(load_spec(changed), top=1, brief=True).sets
+        (one, *_) = size(load_spec(changed), top=1, detail="drives").sets
         said = one.label if one.status == "pass" else f"{one.label}, {one.status}"
         assert (change.set_label, change.status) == (said, one.status), change.field
 
@@ -155,7 +155,7 @@ def test_a_coil_that_is_fed_with_another_voltage_fails(supply, demand, limit):
     """24 V +- 10 % are 21.6 to 26.4 V: too much burns it, with too little it may not release."""
     text = VEHICLE.format(catalogs="maxon").replace("300 kg", "60 kg").replace("unknown: reject", "unknown: allow")
     text = re.sub("supply: .*", f"supply: {{{supply}, regeneration: 50 %, kind: battery}}", text)
-    result = size(read(text + "brake: {torque: 2 N*m, voltage: 24 V}\n"), top=1, brief=True)
+    result = size(read(text + "brake: {torque: 2 N*m, voltage: 24 V}\n"), top=1, detail="drives")
     coil = check(result.misses[0], "brake_voltage")
     assert not result.sets
     assert (coil.status, coil.demand, coil.limit) == ("fail", pytest.approx(demand), pytest.approx(limit))
@@ -196,7 +196,7 @@ def test_a_coil_at_several_supplies_at_once(brakes, coil, demand, passed):
 def test_a_motor_for_extra_low_voltage_is_not_first_at_the_mains():
     """Rectified mains of 230 V, 325 V: motors for 48 V are unknown and behind; one for 283 V is within 1.5 times."""
     text = SERVO.replace("VOLTS", "325 V").replace("panasonicMORE", "maxon")
-    found = {s.motor.part: s for s in size(read(text), top=300, brief=True).sets}
+    found = {s.motor.part: s for s in size(read(text), top=300, detail="drives").sets}
     low = next(s for s in found.values() if s.motor.manufacturer == "maxon")
     servo = next(iter(found.values()))
     volts = check(servo, "motor_supply_voltage")
@@ -281,7 +281,7 @@ def worse_best(one, other, objective):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_supply_gives_no_less_than_the_load_takes(seed):
-    found = size(read(machine(np.random.default_rng(seed)) + "select: {catalogs: [maxon]}"), top=2, brief=True)
+    found = size(read(machine(np.random.default_rng(seed)) + "select: {catalogs: [maxon]}"), top=2, detail="drives")
     assert found.sets or found.misses
     for one in (*found.sets, *found.misses):
         taken = max(case.at_belt.behind(one.belt_ratio).drawn_power for case in found.problem.cases)
@@ -314,7 +314,7 @@ _ACTUATORS = "cubemars, robstride, maxon", "AKE60-8 KV80, RS00"
 
 
 def test_mass_is_that_of_all_that_is_bought():
-    light, bare = size(read(ROTARY % (1, *_ACTUATORS, "on")), top=2, brief=True).sets
+    light, bare = size(read(ROTARY % (1, *_ACTUATORS, "on")), top=2, detail="drives").sets
     assert (light.motor.part, light.mass) == ("RS00", pytest.approx(0.310, abs=1e-6))
     assert (bare.motor.part, bare.encoder) == ("AKE60-8 KV80", None)
     assert bare.mass == bare.objective == pytest.approx(0.260 + 0.020 + 0.045, abs=1e-6)
@@ -327,14 +327,14 @@ def test_mass_is_that_of_all_that_is_bought():
 
 def test_an_unknown_mass_of_encoder_or_controller_stands_last():
     """By data sheets alone: 260 g and more, behind 310 g."""
-    sets = size(read(ROTARY % (1, *_ACTUATORS, "off")), top=2, brief=True).sets
+    sets = size(read(ROTARY % (1, *_ACTUATORS, "off")), top=2, detail="drives").sets
     masses = {one.motor.part: (one.mass, "encoder" in one.mass_of) for one in sets}
     assert masses["AKE60-8 KV80"] == (pytest.approx(0.260 + 0.330, abs=1e-6), False)  # with the one printed mass
 
 
 def test_the_objective_is_the_mass_of_the_parts_list():
     """Of one drive out of three, each with what is listed for it."""
-    result = size(read(ROTARY % (3, "maxon", '"*"', "on")), top=60, brief=True)
+    result = size(read(ROTARY % (3, "maxon", '"*"', "on")), top=60, detail="drives")
     for one in result.sets:
         listed = [line for line in machine_parts(one, result.problem) if line.role in BOUGHT]
         assert one.mass == pytest.approx(sum(line.quantity * line.mass for line in listed) / 3)
@@ -363,9 +363,9 @@ def test_a_budget_of_the_price_counts_all_drives_at_the_price_of_so_many():
 def test_a_budget_of_the_price_rejects_drives_before_they_are_shown():
     """Those that are shown are the first of all that cost no more: 597 EUR at the least of the first twenty."""
     text = ROTARY % (2, "maxon", '"*"', "on")
-    free = size(read(text), top=20, brief=True).sets
+    free = size(read(text), top=20, detail="drives").sets
     within = [one.label for one in free if 2 * one.price <= 600]
-    held = size(read(text + "budget: {price: 600 EUR}\n"), top=len(within), brief=True).sets
+    held = size(read(text + "budget: {price: 600 EUR}\n"), top=len(within), detail="drives").sets
     assert 0 < len(within) < len(free) and free[0].label not in within
     assert [one.label for one in held] == within
 

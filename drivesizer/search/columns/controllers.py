@@ -390,7 +390,7 @@ class _Verdict(NamedTuple):
     """Candidates with some controllers."""
 
     checks: list[CheckColumn]
-    pairs: list[over_time.Pair]  # bounds over the waveform of each load case
+    pairs: list[over_time.Bounds]  # bounds over the waveform of each load case
     # 1 of what fails nothing by bounds, which are all that is wanted, and what the waveform may fail; 2 of those of
     # which a check is unknown whatever the waveform says
     undecided: Array
@@ -491,7 +491,7 @@ class _Candidates(NamedTuple):
             high = low
             if trial is not None:
                 row, verdict = trial
-                computed, stage = verdict.pairs[k][0], spec.feed(parts.controller).stage
+                computed, stage = verdict.pairs[k].low, spec.feed(parts.controller).stage
                 its = spec.feed(Rows(self.problem.catalog.controllers, row)).stage
                 more = (stage.loss >= its.loss) & (stage.standby >= its.standby)
                 less = stage.least_loss <= its.least_loss
@@ -501,7 +501,7 @@ class _Candidates(NamedTuple):
                     power=np.where(more, np.fmax(low.power, computed.power), low.power),
                 )
                 ranged = self.ranges_of_voltage(k, row, verdict)
-                high = low._replace(voltage=np.where(ranged, verdict.pairs[k][1].voltage, low.voltage))
+                high = low._replace(voltage=np.where(ranged, verdict.pairs[k].high.voltage, low.voltage))
             yield from (check for check in over_time.waveform_limits(spec, low, high, parts) if check.name in HANGING)
 
     def ranges_of_voltage(self, k: int, row: Whole, verdict: _Verdict) -> Mask:
@@ -533,7 +533,7 @@ class _Candidates(NamedTuple):
         left, lacks = np.zeros(len(row), bool), np.zeros(len(row), bool)
         for case, pair in zip(cases, pairs, strict=True):
             left |= over_time.left_open(case.spec, pair, parts) & case.demand.complete
-            for check in over_time.waveform_limits(case.spec, pair[0], pair[0], parts):
+            for check in over_time.waveform_limits(case.spec, pair.low, pair.low, parts):
                 lacks |= ~(check.passed | check.failed)
         return verdict._replace(undecided=np.where(left & ~verdict.failed(), 1.0 + lacks, 0.0))
 

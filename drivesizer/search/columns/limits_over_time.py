@@ -76,7 +76,11 @@ class Moments(NamedTuple):
         return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
 
 
-Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
+class Bounds(NamedTuple):
+    """Ends between which the figures over a waveform lie."""
+
+    low: Moments
+    high: Moments
 
 
 def cycle_figures(problem: Problem, draws: Sequence[Draw], **others: Array) -> dict[str, Array]:
@@ -89,7 +93,7 @@ def cycle_figures(problem: Problem, draws: Sequence[Draw], **others: Array) -> d
     return {"energy": energy, "returned": returned, "power": np.maximum.reduce(power), **others}
 
 
-def least(pair: Pair, case: InCase) -> Pair:
+def least(pair: Bounds, case: InCase) -> Bounds:
     """The same; with incomplete demands only lower bounds are known: of the power what the load takes."""
     complete, cold = case.demand.complete, case.stresses.cold_voltage
     if complete.all():
@@ -98,7 +102,7 @@ def least(pair: Pair, case: InCase) -> Pair:
     power = np.maximum(case.cycle.drawn_power, 0.0)
     lowest_known = {"winding": case.heating.winding, "voltage": cold.value, "voltage_time": cold.time, "power": power}
     filled = {name: np.where(complete, getattr(low, name), column) for name, column in lowest_known.items()}
-    return low._replace(**filled), high
+    return Bounds(low._replace(**filled), high)
 
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
@@ -127,7 +131,7 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
     return checks
 
 
-def known_limits(case: InCase, pair: Pair, parts: Parts) -> list[CheckColumn]:
+def known_limits(case: InCase, pair: Bounds, parts: Parts) -> list[CheckColumn]:
     """The same, unknown where a demand is."""
     return unknown_where_doubtful(waveform_limits(case.spec, *pair, parts), case.demand.complete)
 
@@ -175,7 +179,7 @@ def _bus_voltage(spec: RobotSpec, moments: Moments, controller: Figures) -> Rang
                  np.where(moments.stored == 0.0, supply.highest, bound))  # fmt: skip
 
 
-def bounds(case: InCase, parts: Parts) -> Pair:
+def bounds(case: InCase, parts: Parts) -> Bounds:
     """Lower and upper bounds over the waveform; upper ones of windings that pass."""
     spec, cycle, demand, heating, stresses = case
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
@@ -199,7 +203,7 @@ def bounds(case: InCase, parts: Parts) -> Pair:
         power=of_the_source(power + feed.lost(current) + feed.stage.standby, feed),
         stored=_most_kept(case, motor),
     )  # fmt: skip
-    return low, high
+    return Bounds(low, high)
 
 
 def _hottest_resistance(warmest: Array, motor: Figures) -> Array:
@@ -272,7 +276,7 @@ def exact(
     what: Waveform = "all",
     error: float = 1e-3,
     band: tuple[float, float] = COMMUTATION_BAND,
-) -> Pair:
+) -> Bounds:
     """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own.
 
     A winding of unknown heat is between one as cold as the ambient and one as warm as it may be. Commutation takes of
@@ -300,10 +304,12 @@ def exact(
         getattr(low, name)[rows] = getattr(cold, name)
     high.stored[rows] = cold.stored  # the more the winding takes, the less is regenerated
     low.winding[rows], high.winding[rows] = mean[rows], warmest[rows]
-    return low, high
+    return Bounds(low, high)
 
 
-def over_waveform(case: InCase, parts: Parts, what: Waveform, alive: Mask, exact_checks: Collection[str] = ()) -> Pair:
+def over_waveform(
+    case: InCase, parts: Parts, what: Waveform, alive: Mask, exact_checks: Collection[str] = ()
+) -> Bounds:
     """Peaks and heat over the waveform, of what is ``alive``: by bounds, and as far as that is wanted computed."""
     if what in ("limits", "all"):
         return least(exact(case, parts, what), case)
@@ -319,13 +325,13 @@ def over_waveform(case: InCase, parts: Parts, what: Waveform, alive: Mask, exact
         few, own = parts.on(rows), on(pair, rows)
         left = left_open(spec, own, few) & alive[rows]
         if in_full:
-            left |= ~np.logical_and.reduce([check.passed for check in waveform_limits(spec, own[1], own[1], few)])
+            left |= ~np.logical_and.reduce([check.passed for check in waveform_limits(spec, own.high, own.high, few)])
         if left.any():
             pair = put(pair, rows[left], exact(case.on(rows[left]), few.on(left), "limits"))
     return least(pair, case)
 
 
-def left_open(spec: RobotSpec, pair: Pair, parts: Parts) -> Mask:
+def left_open(spec: RobotSpec, pair: Bounds, parts: Parts) -> Mask:
     """Candidates that fail on no limit of the waveform by their bounds, and of which one may be met or not."""
     ends = list(zip(*(waveform_limits(spec, side, side, parts) for side in pair), strict=True))
     fails = np.logical_or.reduce([a.failed & b.failed for a, b in ends])
@@ -333,7 +339,9 @@ def left_open(spec: RobotSpec, pair: Pair, parts: Parts) -> Mask:
     return np.asarray(left & ~fails, bool)
 
 
-def _moments(ambient: Alike, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: Whole) -> Pair:
+def _moments(
+    ambient: Alike, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: Whole
+) -> Bounds:
     """Figures of some rows, with the voltage of a cold start, standby power and what the source adds.
 
     Commutation takes the least and the most of the voltage.
@@ -359,4 +367,4 @@ def _moments(ambient: Alike, cycle: AtGearhead, drives: Drive, feed: Feed, cold:
         stored=np.zeros_like(figures.power) if level == POWER else figures.stored,
         above=figures.above,
     )
-    return high._replace(voltage=low, voltage_time=when_low), high
+    return Bounds(high._replace(voltage=low, voltage_time=when_low), high)

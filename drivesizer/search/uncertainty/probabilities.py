@@ -316,9 +316,9 @@ class SampledDrives(NamedTuple):
 
 
 def sample_drives(
-    problem: Problem, subjects: Mapping[int, Subject], how: Sampling, *, brief: bool = False
+    problem: Problem, subjects: Mapping[int, Subject], how: Sampling, *, ends: bool = True
 ) -> SampledDrives:
-    """Reliability of drives."""
+    """Drives over samples, and over the ends of each assumption where wanted."""
     rows = [(drive.rows.motor, drive.rows.gearhead, drive.rows.controller) for drive in subjects.values()]
     machine = problem.machine
     classes = uncertain_figures.classes_in_use(problem.catalog, machine.tolerances.classes, rows)
@@ -330,8 +330,9 @@ def sample_drives(
     ready = prepared(
         problem, assumptions, sample(assumptions, how.samples, how.seed, uncertain_figures.assumptions(machine))
     )
-    ends = None if brief else at_ends(problem, assumptions)
-    drives = SampledDrives([*subjects], [], {**subjects}, ready, how, ends, {})
+    drives = SampledDrives(
+        [*subjects], [], {**subjects}, ready, how, at_ends(problem, assumptions) if ends else None, {}
+    )
     if how.confidence is None:
         return drives
     shares = by_processes(passing_shares, ready, problem.catalog, [*subjects.values()], how.processes)
@@ -345,7 +346,7 @@ def sample_drives(
 def reliabilities(
     sampled: SampledDrives, rows: Collection[int], finalists: Mapping[int, DriveParts]
 ) -> dict[int, Reliability]:
-    """Reliability of drives, with the sensitivities of each unless they were sampled in brief."""
+    """Reliability of drives, with the sensitivities of each where the ends were computed."""
     ready, how, described = sampled.ready, sampled.how, {}
     for row, (reliability, smallest) in sampled.examined(rows).items():
         described[row], drive = reliability, sampled.subjects[row]
@@ -371,22 +372,12 @@ def uncertainty(sampled: SampledDrives) -> Uncertainty:
     """Assumptions and samples, which all drives have in common."""
     assumptions = []
     for assumption in sampled.ready.assumptions:
-        text = (
-            assumption.spec_class.text
-            if assumption.spec_class
-            else assumption.catalogue.text
-            if assumption.catalogue
-            else ""
-        )
-        title = (
-            assumption.name
-            if assumption.spec_class
-            else assumption.catalogue.title
-            if assumption.catalogue
-            else assumption.name
-        )
-        source = assumption.catalogue.why if assumption.catalogue else "spec"
-        assumptions.append(Uncertain(name=assumption.name, title=title, text=text, source=source))
+        catalogue = assumption.catalogue
+        figure = catalogue or assumption.spec_class
+        assumptions.append(Uncertain(
+            name=assumption.name, title=catalogue.title if catalogue else assumption.name,
+            text=figure.text if figure else "", source=catalogue.why if catalogue else "spec",
+        ))  # fmt: skip
     return Uncertainty(
         assumptions=tuple(assumptions), samples=len(sampled.ready.values), seed=sampled.how.seed,
         confidence=sampled.how.confidence, examined=len(sampled.subjects), reached=len(sampled.good),

@@ -40,7 +40,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns import limits, steppers
 from drivesizer.search.columns.brakes import brake_inertia, is_listed
 from drivesizer.search.columns.candidates import Rows
-from drivesizer.search.columns.limits_over_time import InCase, Pair, exact, known_limits, least
+from drivesizer.search.columns.limits_over_time import Bounds, InCase, exact, known_limits, least
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.steppers import Frictionless, PullOut
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
@@ -491,7 +491,7 @@ def _controller_fits(spec: RobotSpec, controller: Figures, rows: SetRows) -> Che
     return fits("controller_available", good, known)
 
 
-def _loaded(spec: RobotSpec, at: AtSamples, drive: _Drive, *, energies: bool) -> tuple[InCase, Pair]:
+def _loaded(spec: RobotSpec, at: AtSamples, drive: _Drive, *, energies: bool) -> tuple[InCase, Bounds]:
     """Demands and heat of a drive over the samples of a load case, and bounds of what needs the waveform."""
     parts, ambient = drive.parts, spec.environment.ambient
     required = demands(at, parts.motor, parts.gearhead, parts.encoder, brake_inertia(parts, at.belt))
