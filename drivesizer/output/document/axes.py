@@ -153,14 +153,13 @@ class MachineContent(Reported):
     def pictures(self) -> dict[str, Pictured]:
         """Every figure by name: those of all axes, then those of each."""
         from drivesizer.output.report.figures.machine import axes_power
-        from drivesizer.output.report.figures.picture import Pictured, on_paper
+        from drivesizer.output.report.figures.picture import pictured
 
         if self.alone:
             return self.alone.pictures
         figures, power = dict(self.loads), self.sizing.power
         if power is not None and len(power.unknown) < len(power.axes):
-            plot = axes_power(power)
-            figures["power"] = Pictured(on_paper(plot), [plot])
+            figures["power"] = pictured(axes_power(power))
         return figures | {
             f"{axis.key}{name}": figure for axis in self.axes for name, figure in axis.content.pictures.items()
         }

@@ -29,7 +29,7 @@ _TITLES = {
 def bench_document(result: Prediction | Identification | Comparison) -> doc.Document:
     """Prediction of a set, or figures of a log, with their course over time."""
     from drivesizer.output.report.figures.cycle import bench, measured_and_model
-    from drivesizer.output.report.figures.picture import Pictured, abreast, on_paper
+    from drivesizer.output.report.figures.picture import Pictured, abreast, pictured
 
     if isinstance(result, Prediction):
         name, subject, blocks = result.label, "prediction", _prediction(result)
@@ -37,7 +37,7 @@ def bench_document(result: Prediction | Identification | Comparison) -> doc.Docu
         pictures = {"bench": Pictured(abreast(plots, 1.46, columns=3, names=4), plots)}
     else:
         plot = measured_and_model(result.time, result.traces) if len(result.traces) and len(result.time) else None
-        pictures = {"bench": Pictured(on_paper(plot), [plot])} if plot else {}
+        pictures = {"bench": pictured(plot)} if plot else {}
         if isinstance(result, Identification):
             name, subject = f"{result.log}: {result.label}" if result.label else result.log, "identification"
             blocks = _identification(result)

@@ -21,7 +21,7 @@ from drivesizer.machine.platform_budget import PermittedSpeeds, permitted_speeds
 from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up
 from drivesizer.machine.supply_power import EnergyFlow, energy_flow
 from drivesizer.output.report.figures import choice, cycle, field, loops, machine
-from drivesizer.output.report.figures.picture import Bars, Pictured, Plot, abreast, barred, on_paper, scatter
+from drivesizer.output.report.figures.picture import Bars, Pictured, Plot, abreast, barred, on_paper, pictured, scatter
 from drivesizer.output.report.figures.style import CASES, FILES, Drawing, Ready
 from drivesizer.output.sketch import SKETCHES, sketch
 from drivesizer.output.words import first_wheel, reported
@@ -131,7 +131,7 @@ class Behaviour:
             plots = cycle.temperatures(warming, ambient, permitted)
             pictures["heat"] = Pictured(abreast(plots, 1.21, names=4), plots)
         if self.energy.known:
-            pictures["energy"] = _bars(cycle.energy_bars(self.energy))
+            pictures["energy"] = pictured(cycle.energy_bars(self.energy))
         if self.permitted:
             pictures["permitted"] = Pictured(machine.speed_by_direction(self.permitted))
         if self.followed:
@@ -185,10 +185,6 @@ class Behaviour:
 # -- All figures of a report.
 
 
-def _bars(bars: Bars) -> Pictured:
-    return Pictured(barred(bars), [bars])
-
-
 _MOST_PANELS = 6  # of the motor's field that can be moved
 
 
@@ -212,7 +208,7 @@ def report_pictures(
     if front := choice.trade_off(result):
         pictures["front"] = Pictured(scatter(front), [front])
     if certain and certain.reliability and choice.swings(certain.reliability.drivers):
-        pictures["tornado"] = _bars(choice.tornado(certain.reliability.drivers))
+        pictures["tornado"] = pictured(choice.tornado(certain.reliability.drivers))
     if best:
         pictures["margins"] = Pictured(barred(choice.margins(sorted_by_part(best.own_checks))))
         panels = field.panels(result.problem, best, result.requirements)
@@ -241,11 +237,9 @@ def loop_pictures(validation: Validation) -> dict[str, Pictured]:
     pictures: dict[str, Pictured] = {}
     if validation.linear:
         pictures["diagram"] = Pictured(loops.block_diagram(validation, validation.linear))
-    course = cycle.closed_loop(validation)
-    pictures["closed_loop"] = Pictured(on_paper(course), [course])
+    pictures["closed_loop"] = pictured(cycle.closed_loop(validation))
     if validation.loops:
-        response = loops.bode(validation.loops)
-        pictures["bode"] = Pictured(on_paper(response), [response])
+        pictures["bode"] = pictured(loops.bode(validation.loops))
         steps = loops.steps(validation.loops)
         pictures["step"] = Pictured(abreast(steps, 0.76), [step for step in steps if step.diagrams[0].curves])
     return pictures

@@ -345,6 +345,11 @@ def barred(figure: Figure, bars: Bars) -> None:
         figure.legend(names.values(), names, loc="upper right", ncols=len(names), borderaxespad=0.2)
 
 
+def pictured(plot: Plot | Bars) -> Pictured:
+    """A figure that has the same on paper and on the page."""
+    return Pictured(barred(plot) if isinstance(plot, Bars) else on_paper(plot), [plot])
+
+
 def draw_bars(axes: Axes, bars: Bars) -> None:
     """Bars on their axes, with their texts, for which the axis has room."""
     colours, rooms = {"ink": "black", "page": "white", **COLOURS}, []
