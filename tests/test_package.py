@@ -196,3 +196,16 @@ def test_every_goal_is_measured_by_a_benchmark_of_the_table(monkeypatch):
     goals, scripts = import_module("goals").GOALS, import_module("table").SCRIPTS
     run = "".join(SOURCES[script] for script in scripts)
     assert [name for name in goals if f'"{name}"' not in run] == []
+
+
+def test_a_release_has_one_version_in_every_place():
+    """Program, citation, the newest heading of the changelog, the tag to set, and how far the project says to be."""
+    text = {
+        name: (ROOT / name).read_text(encoding="utf-8") for name in ("CITATION.cff", "CHANGELOG.md", "CONTRIBUTING.md")
+    }
+    version = drivesizer.__version__
+    assert re.search(r"^version: (.+)$", text["CITATION.cff"], re.MULTILINE)[1] == version
+    assert re.findall(r"^## (.+)$", text["CHANGELOG.md"], re.MULTILINE)[0] in (version, "Unreleased")
+    assert f'git tag -a v{version} -m "drivesizer {version}"' in text["CONTRIBUTING.md"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert ("Development Status :: 5 - Production/Stable" in project["classifiers"]) == (int(version[0]) > 0)
