@@ -23,7 +23,7 @@ from drivesizer.output.words import meeting, whole_name
 from drivesizer.results.check import Check, gravest, tightest, worst
 from drivesizer.results.drive_set import Detail
 from drivesizer.results.machine import MachineSizing
-from drivesizer.results.sizing import mass_text, objective_figure
+from drivesizer.results.sizing import objective_figure
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explained
 from drivesizer.spec.machine import read_any
@@ -181,7 +181,7 @@ def _set(drive: Any) -> Piece:
     from drivesizer.output.document.candidates import numbers_of, short_name
 
     energy = objective_figure(drive, "energy").value
-    figures = {"mass": mass_text(drive), "price": drive.price_text.replace("at least", "≥")}
+    figures = {"mass": drive.mass_text, "price": drive.price_text.replace("at least", "≥")}
     figures |= {"energy": show(energy, "J", "energy")} if energy == energy else {}
     return {
         **_named(drive), "name": short_name(drive), "numbers": numbers_of(drive), "status": drive.status,
@@ -264,7 +264,7 @@ def compare(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     for role in dict.fromkeys(role for drive in drives for role in drive.parts):
         parts = [drive.parts.get(role) for drive in drives]
         rows.append(("parts", role, [whole_name(part) if part else "none" for part in parts]))
-    rows.append(("figures", "mass of a drive", [mass_text(drive) for drive in drives]))
+    rows.append(("figures", "mass of a drive", [drive.mass_text for drive in drives]))
     rows.append(("figures", "price of a drive", [drive.price_text for drive in drives]))
     figures = [{figure.name: figure for figure in drive.figures} for drive in drives]
     for name, title in {figure.name: figure.title for drive in drives for figure in drive.figures}.items():

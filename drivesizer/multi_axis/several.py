@@ -21,7 +21,7 @@ from drivesizer.multi_axis.combinations import Choice, Combination, Cost, Loaded
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import Detail, DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, objective_sum
-from drivesizer.results.sizing import SizingResult, unknown_parts
+from drivesizer.results.sizing import SizingResult
 from drivesizer.search.passing import Progress
 from drivesizer.search.ranking import title_of
 from drivesizer.search.shortlist import load_parts
@@ -333,7 +333,7 @@ def _cost(drive: DriveSet, objective: Ranking, motors: int, *, best: bool) -> Co
     if not isinstance(objective, str) or objective not in SUMMED:
         return (0 if best else 1), 0.0
     value, summed = drive.objective, OBJECTIVES[objective].over
-    missing = len(unknown_parts(drive, objective, drive.objective_of)) if summed else int(isnan(value))
+    missing = len(drive.unknown_parts(objective, drive.objective_of)) if summed else int(isnan(value))
     return missing, 0.0 if isnan(value) else objective_sum(objective, value, motors)
 
 

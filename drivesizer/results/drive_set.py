@@ -14,8 +14,9 @@ from drivesizer.physics.drive_train import MotorAndGears, drive_inertia, motor_a
 from drivesizer.physics.equation import Equation
 from drivesizer.physics.figures import Alike, Array, Whole
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
-from drivesizer.results.check import Check, Confidence, Figure, Reliability, Status
+from drivesizer.results.check import Check, Confidence, Figure, Reliability, Status, worst
 from drivesizer.results.problem import ChosenScrew
+from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, show, show_band
 
@@ -458,6 +459,19 @@ class DriveSet(DriveParts):
         return f"{least}{self.price:.2f} {self.currency}" if self.price_of else "unknown"
 
     @property
+    def mass_text(self) -> str:
+        """The mass as it is printed: at least that where a part's is unknown, about where one is estimated."""
+        if isnan(self.mass):
+            return "unknown"
+        mark = "≥ " if self.unknown_parts("mass", self.mass_of) else "≈ " if self.mass_estimated else ""
+        return mark + show(self.mass, "g", "mass", 3 if self.mass_estimated else 4)
+
+    def unknown_parts(self, objective: str, known: Iterable[str]) -> tuple[str, ...]:
+        """Roles of the parts that an objective is summed over, and that are not among those known."""
+        counted = {"actuator", *OBJECTIVES[objective].over}
+        return tuple(role for role in self.parts if role in counted and role not in known)
+
+    @property
     def price_of(self) -> tuple[str, ...]:
         """Roles of the parts whose price is known."""
         return tuple(role for role, part in self.parts.items() if part is not None and part.price == part.price)
@@ -476,6 +490,18 @@ class DriveSet(DriveParts):
     def deciding(self) -> tuple[Check, ...]:
         """Those that decide the status: not the informational ones."""
         return tuple(check for check in self.own_checks if not check.advice)
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Its line in a table; a price that lacks a part is at least that."""
+        tight = worst(self.deciding)
+        margin = f"{share(tight.margin)} {tight.title}" if tight else ""
+        names = self.motor_name, self.gearhead_name
+        return (str(self.rank), *names, self.mass_text, self.price_text, margin, self.status)
+
+    def __str__(self) -> str:
+        """The drive in a line."""
+        return "  ".join(self.cells)
 
     def _repr_html_(self) -> str:
         """The drive as a table of a notebook: parts, then checks."""

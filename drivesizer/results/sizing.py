@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from importlib.util import find_spec
@@ -15,11 +15,10 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.physics.figures import Alike, Array, Mask, Whole
 from drivesizer.results.check import Figure, Uncertainty, worst
-from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation, Requirement, html_table, share
+from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation, Requirement, html_table
 from drivesizer.results.problem import Problem
 from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import show
 
 # -- Drives by weights: each figure as a multiple of the best one, and the weighted mean of these multiples.
 #
@@ -157,7 +156,7 @@ class SizingResult:
 
     def __str__(self) -> str:
         """The drives, a line each."""
-        rows = [_row(drive) for drive in self.sets or self.misses]
+        rows = [drive.cells for drive in self.sets or self.misses]
         widths = [max(map(len, column), default=0) for column in zip(*rows, strict=True)]
         lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
         return "\n".join([f"{self.spec.name}: {len(self.sets)} drives, by {self.objective}", *lines])
@@ -182,7 +181,7 @@ class SizingResult:
     def _repr_html_(self) -> str:
         """The drives as a table of a notebook, best first."""
         heads = ("", "motor", "gearhead", "mass", "price", "smallest margin", "")
-        return html_table(heads, map(_row, self.sets or self.misses))
+        return html_table(heads, (drive.cells for drive in self.sets or self.misses))
 
     @property
     def spec(self) -> RobotSpec:
@@ -205,21 +204,6 @@ def frame_of(rows: list[dict[str, Any]]) -> Any:
     if find_spec("pandas") is None:
         raise InputError("to_frame() needs pandas; rows() gives the same as a list of dicts")
     return import_module("pandas").DataFrame(rows)
-
-
-def _row(drive: DriveSet) -> tuple[str, ...]:
-    """A drive of a table; a price that lacks a part is at least that."""
-    tight = worst(drive.deciding)
-    margin = f"{share(tight.margin)} {tight.title}" if tight else ""
-    return (
-        str(drive.rank),
-        drive.motor_name,
-        drive.gearhead_name,
-        mass_text(drive),
-        drive.price_text,
-        margin,
-        drive.status,
-    )
 
 
 class Explanation(NamedTuple):
@@ -246,14 +230,6 @@ def ranked_by(objective: str, best: Sequence[DriveSet]) -> str:
     return text + (f", that of {', '.join(guessed)} estimated" if guessed else "")
 
 
-def mass_text(drive: DriveSet) -> str:
-    """The mass of a drive as it is printed: at least that where a part's is unknown, about where one is estimated."""
-    if isnan(drive.mass):
-        return "unknown"
-    mark = "≥ " if unknown_parts(drive, "mass", drive.mass_of) else "≈ " if drive.mass_estimated else ""
-    return mark + show(drive.mass, "g", "mass", 3 if drive.mass_estimated else 4)
-
-
 def objective_figure(drive: DriveSet, objective: str) -> Figure:
     """The figure of a drive for an objective, ranked by it or not; of encoder and controller as far as it is known."""
     declared = OBJECTIVES[objective]
@@ -261,7 +237,7 @@ def objective_figure(drive: DriveSet, objective: str) -> Figure:
         tight = worst(drive.checks)
         value = tight.margin if tight else nan
     elif objective == "mass":
-        value = nan if set(unknown_parts(drive, objective, drive.mass_of)) - _CONTROLLING else drive.mass
+        value = nan if set(drive.unknown_parts(objective, drive.mass_of)) - _CONTROLLING else drive.mass
     elif declared.over:  # first: what is called power among the figures is that of the supply
         parts = {role: part for role in declared.over if (part := getattr(drive, role)) is not None}
         values = {role: getattr(part, declared.figure, 0.0) for role, part in parts.items()}
@@ -273,9 +249,3 @@ def objective_figure(drive: DriveSet, objective: str) -> Figure:
 
 
 _CONTROLLING = {"encoder", "controller"}
-
-
-def unknown_parts(drive: DriveSet, objective: str, known: Iterable[str]) -> tuple[str, ...]:
-    """Roles of the parts of a drive that an objective is summed over, and that are not among those known."""
-    counted = {"actuator", *OBJECTIVES[objective].over}
-    return tuple(role for role in drive.parts if role in counted and role not in known)

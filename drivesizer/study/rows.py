@@ -24,7 +24,7 @@ from drivesizer.output.parts import unknown_of
 from drivesizer.results.check import Check, worst
 from drivesizer.results.drive_set import DriveSet, EnergyBudget
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import Counts, objective_figure, unknown_parts
+from drivesizer.results.sizing import Counts, objective_figure
 from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.search.shortlist import load_parts, shortlist
 from drivesizer.spec.drive import Ranking
@@ -85,7 +85,7 @@ def _euros(drive: DriveSet) -> float:
 
 
 def _mass_lacks(drive: DriveSet) -> list[str]:
-    return sorted(unknown_parts(drive, "mass", drive.mass_of))
+    return sorted(drive.unknown_parts("mass", drive.mass_of))
 
 
 def _price_lacks(drive: DriveSet) -> Sequence[str]:

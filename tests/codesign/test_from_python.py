@@ -56,6 +56,7 @@ def test_a_table_is_a_catalogue_and_catalogues_add_up():
 def test_a_result_is_printed_short_and_has_its_drives_as_rows():
     found = size(load_spec(SPEC), top=3)
     assert len(str(found).splitlines()) == 1 + len(found.sets)
+    assert str(found.sets[0]).split() == str(found).splitlines()[1].split()  # but for the widths of columns
     rows = found.rows()
     assert [row["rank"] for row in rows[:3]] == [1, 2, 3]
     check = next(one for one in found.sets[0].checks if one.margin == one.margin)

@@ -26,7 +26,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import KNOWN, write
 from drivesizer.results.check import Check
-from drivesizer.results.sizing import SizingResult, unknown_parts
+from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -371,7 +371,7 @@ def candidate(text: str, s: Any, expected: Facts) -> Facts:
 
 def mark(s: Any) -> str:
     """Before a mass: at least that, where a counted part's is unknown; about that, where one is estimated."""
-    return "≥ " if unknown_parts(s, "mass", s.mass_of) else "≈ " if s.mass_estimated else ""
+    return "≥ " if s.unknown_parts("mass", s.mass_of) else "≈ " if s.mass_estimated else ""
 
 
 # -- how well they must agree

@@ -10,7 +10,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.terminal.sizing import explained
 from drivesizer.results.ratings import coil_voltage
-from drivesizer.results.sizing import Explanation, mass_text, ranked_by
+from drivesizer.results.sizing import Explanation, ranked_by
 from drivesizer.search import ranking
 from drivesizer.search.passing import sifted
 from drivesizer.search.shortlist import load_parts
@@ -319,7 +319,7 @@ def test_mass_is_that_of_all_that_is_bought():
     assert (bare.motor.part, bare.encoder) == ("AKE60-8 KV80", None)
     assert bare.mass == bare.objective == pytest.approx(0.260 + 0.020 + 0.045, abs=1e-6)
     # what is assumed is marked wherever it is printed, and said where it ranks
-    assert (mass_text(light), mass_text(bare)) == ("310 g", "≈ 325 g")
+    assert (light.mass_text, bare.mass_text) == ("310 g", "≈ 325 g")
     assert (bare.mass_estimated, light.mass_estimated) == (("encoder", "controller"), ())
     assert ranked_by("mass", [light]) == "ranked by mass"
     assert ranked_by("mass", [light, bare]) == "ranked by mass, that of encoder, controller estimated"

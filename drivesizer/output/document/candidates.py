@@ -16,7 +16,7 @@ from drivesizer.output.words import confidence, likely, loop_text, meeting, numb
 from drivesizer.results.check import Driver, Reliability, Spread, Uncertainty, worst
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.results.sizing import SizingResult, mass_text, objective_figure, ranked_by, unknown_parts
+from drivesizer.results.sizing import SizingResult, objective_figure, ranked_by
 from drivesizer.units import KINDS
 
 
@@ -74,7 +74,7 @@ def short_drive(
 
 def mass_quantity(drive: DriveSet) -> doc.Quantity:
     """The mass of a drive, marked where a part's is unknown or estimated."""
-    return doc.Quantity(drive.mass, "g", "mass", own=mass_text(drive))
+    return doc.Quantity(drive.mass, "g", "mass", own=drive.mass_text)
 
 
 def objective_quantity(drive: DriveSet, objective: str) -> doc.Quantity:
@@ -84,9 +84,9 @@ def objective_quantity(drive: DriveSet, objective: str) -> doc.Quantity:
     if objective not in OBJECTIVES:
         return doc.Quantity(drive.objective, "1", "plain")
     declared = OBJECTIVES[objective]
-    lacks = declared.over and unknown_parts(drive, objective, drive.objective_of)
+    lacks = declared.over and drive.unknown_parts(objective, drive.objective_of)
     note = f"{' and '.join(drive.objective_of)} only" if lacks and drive.objective_of else ""
-    own = mass_text(drive) if objective == "mass" else ""
+    own = drive.mass_text if objective == "mass" else ""
     unit = drive.currency if declared.kind == "price" else declared.unit
     return doc.Quantity(drive.objective, unit, declared.kind, own=own, note=note)
 
@@ -116,7 +116,7 @@ def alternatives(content: Content) -> Iterator[doc.Block]:
         more += [f"controller {other.controller.family}"] if other.controller else []
         price = f"{other.price:.2f} {other.currency}, sum of {' + '.join(other.price_of)}"
         price = price if other.price_of else "unknown"
-        mass = f"{mass_text(other)}, sum of {' + '.join(other.mass_of)}"
+        mass = f"{other.mass_text}, sum of {' + '.join(other.mass_of)}"
         yield doc.Words(("Without the families and parts that the spec names, the whole catalogue gives ",
                          doc.Strong(", ".join([other.label, *more])), f" (mass {mass}; price {price})."))  # fmt: skip
 
