@@ -289,7 +289,7 @@ def all_laws() -> tuple[Law, ...]:
 
 
 @cache
-def _identities() -> dict[str, dict[str, str]]:
+def identities() -> dict[str, dict[str, str]]:
     """The equations among them, by section and name."""
     return {
         section: {law.name: law.law for law in all_laws() if law.section == section and law.relation == "="} | further
@@ -322,7 +322,7 @@ def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
         table = tables[rule.section]
         if not len(table) or not (lacking := np.isnan(table[rule.figure])).any():
             continue
-        equation = _identities()[rule.section][rule.identity]
+        equation = identities()[rule.section][rule.identity]
         values = solved(equation, table, rule.figure)
         may = lacking & value(_TABLE["windings"][rule.section], table) & _applies(equation, table)
         if rule.condition:
@@ -333,7 +333,7 @@ def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
             notes.setdefault(rule, []).extend(table["part"][rows].tolist())
     derived_notes = []
     for rule, parts in notes.items():
-        follows = f"follows from {_identities()[rule.section][rule.identity].partition(' where ')[0]}"
+        follows = f"follows from {identities()[rule.section][rule.identity].partition(' where ')[0]}"
         text = f"{follows}; {rule.assumed}" if rule.assumed else follows
         derived_notes.append(Note(rule.section, tuple(parts), (rule.figure,), text, "derived", derived=True))
     return derived_notes

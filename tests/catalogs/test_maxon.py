@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Motor, Table, load
-from drivesizer.catalog.laws import IDENTITIES, solved
+from drivesizer.catalog.laws import identities, solved
 
 TURN = 2 * math.pi
 RPM = TURN / 60  # rad/s
@@ -67,7 +67,7 @@ def test_what_a_shop_prints_of_a_brushed_motor_gives_its_winding(
     for maker in ("maxon", "faulhaber"):
         motors = load([maker]).motors
         brushed = (motors["kind"] == "brushed") & ~motors.excluded
-        ratio = (solved(IDENTITIES["motors"][identity], motors, figure) / motors[figure])[brushed]
+        ratio = (solved(identities()["motors"][identity], motors, figure) / motors[figure])[brushed]
         assert np.isfinite(ratio).sum() > 10 and low < np.nanmin(ratio) and np.nanmax(ratio) < high
 
 

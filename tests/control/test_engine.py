@@ -301,7 +301,7 @@ def test_no_compiler_is_loaded_to_run_it():
 
 def test_without_machine_code_it_is_the_same_and_said_to_be_slow(monkeypatch):
     by_machine_code = moved()
-    monkeypatch.setattr(machine_code.Kernel, "kept", False)
+    monkeypatch.setattr(machine_code.Kernel, "translated", False)
     monkeypatch.setitem(sys.modules, "numba", None)
     with pytest.warns(SlowWarning, match="a stepper runs some hundred times slower, for there is no machine code"):
         plain = machine_code.machine_code.__wrapped__(stepper.KERNEL)

@@ -87,7 +87,7 @@ def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_pa
         "derived",
         "recalled",
         "Kessler 1955",
-        "drivesizer 0",
+        f"drivesizer {drivesizer.__version__}",
     ):
         assert said in text
     assert "fails the unit check" in text

@@ -107,7 +107,7 @@ def add_effects(every: Effects, folder: Any, name: str) -> None:
     rows = SetRows(0, 0, 0, 0, spec.belt_ratios[0], 0 if spec.brake else -1)
     idle = {one.name for one in without_effect([Subject(rows, ())], found.catalog, at_ends(found, given))}
     for one in given:
-        path = one.given.path if one.given else ()
+        path = one.spec_class.path if one.spec_class else ()
         for field in owners(path, source.data):
             every.setdefault(field, []).append((path, one.name not in idle))
 

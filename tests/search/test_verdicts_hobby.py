@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived, solved, value
+from drivesizer.catalog.laws import DERIVED, derived, identities, solved, value
 from drivesizer.catalog.query import PartRow
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.catalog.view import search_view
@@ -131,7 +131,7 @@ def assert_alike(table, rows, figures, rel):
 def test_what_is_solved_fulfils_its_identity(one):
     """Random figures; the solved one put back fulfils it, and gives another again where it is linear in that."""
     draw = random.Random(7)
-    equation = IDENTITIES[one.section][one.identity]
+    equation = identities()[one.section][one.identity]
     figures = {name: draw.uniform(0.2, 0.9) for name in columns_in(equation)} | {"back_emf_constant": nan}
     found = solved(equation, figures, one.figure)
     whole = figures | {one.figure: float(found)}

@@ -58,7 +58,7 @@ _NARROW, _WIDEST = 1.15, 60  # letters for each digit of width; letters of a col
 def number_format(value: float, digits: int = 4) -> str:
     """The number format that shows a value with so many digits; an exponent for what is very small or large.
 
-    >>> shown(26.304), shown(5.0), shown(12345.6), shown(2.3e-7)
+    >>> tuple(map(number_format, (26.304, 5.0, 12345.6, 2.3e-7)))
     ('0.0', '0', '0', '0.000E+00')
     """
     text = f"{value:.{digits}g}"
