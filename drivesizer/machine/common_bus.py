@@ -504,7 +504,7 @@ def unknown_at_rest(cases: Sequence[LoadCase]) -> str:
 
 
 _LONGEST_PERIODS = 20  # of the longest period, where there is no common one
-_MOST_PIECES = 1_000_000  # pieces
+_MOST_IN_PERIOD = 1_000_000  # pieces
 
 
 class AxisPower(NamedTuple):
@@ -599,7 +599,7 @@ def _shown_time(powers: Sequence[DrivePower]) -> float:
     """Time over which courses without a common period are shown [s]: some of the longest, as pieces allow."""
     longest = max(power.total for power in powers)
     pieces = sum(len(power.duration) * longest / power.total for power in powers)
-    if pieces > _MOST_PIECES:
+    if pieces > _MOST_IN_PERIOD:
         shortest = min(power.total for power in powers)
         raise FieldError(
             ("axes",),

@@ -121,7 +121,7 @@ def contact_loads(
     >>> contact_loads(cart, ground=Ground(gravity=10.0))  # levers 0.3 and 0.2 of 0.5
     array([300., 200.])
     """
-    middle, share = _tilting(tuple(platform.contacts))
+    middle, share = _tilting(platform.contacts)
     normal = platform.mass * ground.gravity * np.cos(ground.slope)
     floor = [platform.mass * (np.asarray(a) - g) for a, g in zip(accelerated, _downhill(theta, ground), strict=True)]
     lever = [c - m for c, m in zip((platform.x, platform.y), middle, strict=True)]

@@ -162,9 +162,9 @@ class Platform:
                     )
 
     @property
-    def contacts(self) -> list[tuple[float, float]]:
+    def contacts(self) -> tuple[tuple[float, float], ...]:
         """Contact points of wheels, then of casters [m]."""
-        return [(w.x, w.y) for w in self.wheels] + [(c.x, c.y) for c in self.casters]
+        return (*((w.x, w.y) for w in self.wheels), *((c.x, c.y) for c in self.casters))
 
 
 def loaded(platform: Platform, *payloads: Payload) -> Platform:

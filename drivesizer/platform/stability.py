@@ -55,7 +55,7 @@ class TippingEdge(NamedTuple):
 
 def support_polygon(platform: Platform) -> tuple[int, ...]:
     """The contacts that are the hull of all, counterclockwise; places from 0."""
-    return _hull(tuple(platform.contacts))
+    return _hull(platform.contacts)
 
 
 @lru_cache(maxsize=8)
@@ -98,14 +98,14 @@ def _outward(contacts: tuple[tuple[float, float], ...]) -> tuple[tuple[int, ...]
 
 def edge_distances(platform: Platform, point: Any) -> Array:
     """Distances of a point inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside."""
-    _, normal, out = _outward(tuple(platform.contacts))
+    _, normal, out = _outward(platform.contacts)
     place = np.asarray(point, dtype=float)
     return np.asarray(out.reshape(-1, *[1] * (place.ndim - 1)) - np.tensordot(normal, place, axes=1))
 
 
 def tipping_edges(platform: Platform) -> tuple[TippingEdge, ...]:
     """The edges about which a platform can tip on a level floor, the nearest first."""
-    hull, normal, _ = _outward(tuple(platform.contacts))
+    hull, normal, _ = _outward(platform.contacts)
     distance = edge_distances(platform, (platform.x, platform.y))
     edges = zip(hull, (*hull[1:], hull[0]), distance, normal, strict=True)
     tipping = [
@@ -164,7 +164,7 @@ def lift_off_acceleration(platform: Platform, direction: float | None = None, gr
 
 def _tipping(platform: Platform, gravity: float) -> tuple[Array, Array]:
     """Distance of the platform inside each edge, times gravity, and the share that an acceleration takes off it."""
-    _, normal, _ = _outward(tuple(platform.contacts))
+    _, normal, _ = _outward(platform.contacts)
     inside = edge_distances(platform, (platform.x, platform.y))
     return inside * gravity, platform.height * normal
 
